@@ -1,0 +1,1 @@
+"""The paper's figures and tables: configurations, reproduction, comparison. The highest room of the house."""

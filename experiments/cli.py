@@ -1,0 +1,47 @@
+"""``bridge-rl``: one command, one subcommand per use, each resolved only when it is asked for."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import sys
+
+from bridge_theory.errors import InputError
+
+SUBCOMMANDS = {
+    "run": ("bridge_algos.run.cli", "run BRIDGE, PbRL and BC on a tabular environment"),
+    "bounds": ("bridge_theory.cli.bounds", "evaluate the paper's bounds for a setting"),
+    "plan": ("bridge_theory.cli.plan", "how many demonstrations or queries a target needs"),
+}
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run one subcommand; exit status 0 on success, 2 on a user's mistake, 130 when interrupted."""
+    arguments = sys.argv[1:] if argv is None else list(argv)
+    if not arguments or arguments[0] in ("-h", "--help"):
+        print(_overview())
+        return 0
+    name, *rest = arguments
+    if name not in SUBCOMMANDS:
+        known = ", ".join(SUBCOMMANDS)
+        print(f"bridge-rl: unknown subcommand {name!r}; expected one of {known}; try 'bridge-rl --help'", file=sys.stderr)
+        return 2
+    module = importlib.import_module(SUBCOMMANDS[name][0])
+    try:
+        return int(module.main(rest))
+    except InputError as error:
+        print(f"bridge-rl {name}: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print(f"bridge-rl {name}: interrupted; finished parts are kept", file=sys.stderr)
+        return 130
+
+
+def _overview() -> str:
+    lines = ["usage: bridge-rl SUBCOMMAND [options]", "", "subcommands:"]
+    lines += [f"  {name:<10} {help_text}" for name, (_, help_text) in SUBCOMMANDS.items()]
+    return "\n".join([*lines, "", "'bridge-rl SUBCOMMAND --help' lists the options of one"])
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,117 @@
+"""The one module that touches python-flint: ball construction, outward rounding, three-valued comparison.
+
+Traps it hides: ``arb(0.1)`` is a binary number, so constants come from rationals; ``float(x.lower())`` may lie above
+the lower end, so ends are rounded from their exact mantissas; comparisons of overlapping balls are false both ways; the
+square root of a negative ball is not a number instead of an error; the working precision is global.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+from fractions import Fraction
+from typing import Any, TypeAlias
+
+from flint import arb, ctx, fmpq
+
+Ball: TypeAlias = Any
+"""A python-flint ``arb``: midpoint and radius, every operation rounded outward."""
+
+_HUGEST_EXPONENT = 1100  # beyond it a binary exponent over- or underflows a float64 for certain
+
+
+@contextmanager
+def working_precision(bits: int) -> Iterator[None]:
+    """Compute with ``bits`` binary digits inside the block and restore the previous precision afterwards.
+
+    >>> with working_precision(200):
+    ...     ball(2).sqrt().rel_accuracy_bits() > 190
+    True
+    """
+    before = ctx.prec
+    ctx.prec = bits
+    try:
+        yield
+    finally:
+        ctx.prec = before
+
+
+def ball(value: int | Fraction) -> Ball:
+    """The smallest ball around an exact number at the working precision.
+
+    >>> ball(Fraction(1, 20)) * 20
+    [1.00000000000000 +/- ...]
+    """
+    return arb(value) if isinstance(value, int) else arb(fmpq(value.numerator, value.denominator))
+
+
+def box(lower: int | Fraction, upper: int | Fraction) -> Ball:
+    """A ball that contains every real number from ``lower`` to ``upper``.
+
+    >>> box(1, 3).contains(2)
+    True
+    """
+    return ball(lower).union(ball(upper))
+
+
+def everything() -> Ball:
+    """The ball that contains every real number: nothing is known."""
+    return arb(0, math.inf)
+
+
+def pi_ball() -> Ball:
+    """The number pi."""
+    return arb.pi()
+
+
+def ends(x: Ball) -> tuple[float, float]:
+    """Floats below and above every number of the ball, as close as float64 allows.
+
+    >>> low, high = ends(ball(Fraction(1, 10)))
+    >>> Fraction(low) <= Fraction(1, 10) <= Fraction(high), high - low < 1e-16
+    (True, True)
+    """
+    if x.is_nan() or not x.is_finite():
+        return -math.inf, math.inf
+    return _round_down(*_exact(x.lower())), -_round_down(*_exact(-x.upper()))
+
+
+def midpoint(x: Ball) -> float:
+    """A float near the middle of the ball; not certified, for starting a search."""
+    return float(x.mid())
+
+
+def exact_integer(x: Ball) -> int | None:
+    """The integer this ball is exactly equal to, or None.
+
+    >>> exact_integer(ball(7)), exact_integer(ball(Fraction(1, 3)))
+    (7, None)
+    """
+    if not (x.is_exact() and x.is_integer()):
+        return None
+    return int(x.unique_fmpz())
+
+
+def accuracy_bits(x: Ball) -> int:
+    """How many leading bits of the ball are certain; an exact ball has as many as anyone wants."""
+    return int(x.rel_accuracy_bits()) if x.is_finite() else 0
+
+
+def _exact(x: Ball) -> tuple[int, int]:
+    mantissa, exponent = x.man_exp()
+    return int(mantissa), int(exponent)
+
+
+def _round_down(mantissa: int, exponent: int) -> float:
+    size = mantissa.bit_length() + exponent
+    if size > _HUGEST_EXPONENT:
+        return math.nextafter(math.inf, 0.0) if mantissa > 0 else -math.inf
+    if size < -_HUGEST_EXPONENT:
+        return 0.0 if mantissa >= 0 else math.nextafter(0.0, -1.0)
+    value = Fraction(mantissa) * Fraction(2) ** exponent
+    try:
+        nearest = float(value)
+    except OverflowError:
+        return math.nextafter(math.inf, 0.0) if value > 0 else -math.inf
+    return nearest if Fraction(nearest) <= value else math.nextafter(nearest, -math.inf)

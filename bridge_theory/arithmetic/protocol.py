@@ -1,0 +1,78 @@
+"""What a formula may do with its arguments: the operations every interpretation of the arithmetic provides."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from typing import Any, Protocol, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+Value: TypeAlias = Any
+"""A float64 scalar or array, a SymPy expression, or an ``arb`` ball: whatever the arithmetic at hand computes with."""
+
+FloatArray: TypeAlias = npt.NDArray[np.float64]
+
+
+class Arithmetic(Protocol):
+    """The operations of a formula besides ``+ - * / **``, which its values support themselves."""
+
+    def number(self, value: int | Fraction) -> Value:
+        """The exact constant ``value``; needed where two Python integers would otherwise meet, as in ``1 / 2``."""
+
+    def sqrt(self, x: Value) -> Value:
+        """Square root; the caller knows that ``x >= 0``."""
+
+    def log(self, x: Value) -> Value:
+        """Natural logarithm; the caller knows that ``x > 0``."""
+
+    def log1p(self, x: Value) -> Value:
+        """``log(1 + x)`` without cancellation near 0."""
+
+    def exp(self, x: Value) -> Value:
+        """Exponential."""
+
+    def expm1(self, x: Value) -> Value:
+        """``exp(x) - 1`` without cancellation near 0."""
+
+    def cosh(self, x: Value) -> Value:
+        """Hyperbolic cosine."""
+
+    def sin(self, x: Value) -> Value:
+        """Sine."""
+
+    def arcsin(self, x: Value) -> Value:
+        """Inverse sine on [-1, 1]."""
+
+    def arccos(self, x: Value) -> Value:
+        """Inverse cosine on [-1, 1]."""
+
+    def pi(self) -> Value:
+        """The number pi."""
+
+    def min(self, *values: Value) -> Value:
+        """The smallest value; a ball that cannot tell which one is smallest encloses all candidates."""
+
+    def max(self, *values: Value) -> Value:
+        """The largest value; a ball that cannot tell which one is largest encloses all candidates."""
+
+    def ceil(self, x: Value) -> Value:
+        """The smallest integer that is at least ``x``; a ball around an integer encloses both candidates."""
+
+    def log_binomial(self, top: Value, bottom: Value) -> Value:
+        """``log C(top, bottom)`` for ``0 <= bottom <= top``, integers."""
+
+    def if_at_most(self, x: Value, y: Value, then: Callable[[], Value], otherwise: Callable[[], Value]) -> Value:
+        """``then()`` where ``x <= y`` and ``otherwise()`` elsewhere; an undecided ball encloses both."""
+
+    def sum(self, summand: Callable[..., Value], *arrays: Value) -> Value:
+        """``sum_i summand(a_i, b_i, ...)`` over array-valued arguments of one length."""
+
+    def minimum_over_integers(
+        self, objective: Callable[[Value], Value], near: Callable[..., FloatArray], *arguments: Value
+    ) -> Value:
+        """``min_{k >= 1} objective(k)`` over integers, for an objective that strictly falls and then strictly rises.
+
+        ``near(*arguments)`` maps floats to a float close to the real minimiser: it saves time and proves nothing.
+        """

@@ -1,0 +1,68 @@
+"""Certified values: two floats that provably lie on either side of the number."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from bridge_theory.arithmetic import flint_balls
+from bridge_theory.arithmetic.flint_balls import Ball
+
+FIRST_BITS = 96
+LAST_BITS = 6144
+_ENOUGH_BITS = 60  # seven more than a float64 holds
+
+
+@dataclass(frozen=True)
+class Enclosure:
+    """``lower <= value <= upper``, both ends rounded outward to float64.
+
+    Source: ball arithmetic (Johansson 2017). ``bits`` is the working precision that was needed; ``narrow`` is False
+    when even the highest precision left the ends more than a few units in the last place apart.
+
+    >>> 1.25 in Enclosure(1.0, 1.5, bits=96, narrow=False)
+    True
+    """
+
+    lower: float
+    upper: float
+    bits: int
+    narrow: bool
+
+    @property
+    def width(self) -> float:
+        """``upper - lower``, rounded up."""
+        return math.nextafter(self.upper - self.lower, math.inf) if self.upper > self.lower else 0.0
+
+    @property
+    def middle(self) -> float:
+        """A float between the ends, for display."""
+        return self.lower + (self.upper - self.lower) / 2 if math.isfinite(self.width) else math.nan
+
+    def __contains__(self, number: float) -> bool:
+        return self.lower <= number <= self.upper
+
+    def __str__(self) -> str:
+        note = "" if self.narrow else f" (still wide at {self.bits} bits)"
+        return f"[{self.lower!r}, {self.upper!r}]{note}"
+
+
+def sharpen(compute: Callable[[], Ball]) -> tuple[Ball, int, bool]:
+    """Evaluate at rising precision until the ball pins a float64 down: the ball, the precision, whether it did."""
+    bits = FIRST_BITS
+    while True:
+        with flint_balls.working_precision(bits):
+            value = compute()
+            narrow = flint_balls.accuracy_bits(value) >= _ENOUGH_BITS
+        if narrow or bits >= LAST_BITS:
+            return value, bits, narrow
+        bits *= 2
+
+
+def enclose(compute: Callable[[], Ball]) -> Enclosure:
+    """The certified float64 enclosure of a ball-valued computation, precision raised as far as needed."""
+    value, bits, narrow = sharpen(compute)
+    with flint_balls.working_precision(bits):
+        lower, upper = flint_balls.ends(value)
+    return Enclosure(lower, upper, bits, narrow)

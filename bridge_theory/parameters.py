@@ -1,0 +1,224 @@
+"""The one table of parameters: symbol, meaning, domain and unit, and the refusal of values outside the domain."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from decimal import Decimal
+from fractions import Fraction
+from numbers import Integral, Rational, Real
+from typing import TypeAlias
+
+import numpy as np
+
+from bridge_theory.arithmetic.protocol import FloatArray
+from bridge_theory.errors import InputError
+
+Exact: TypeAlias = int | Fraction
+Given: TypeAlias = "Exact | float | str | Decimal | Iterable[object]"
+Stored: TypeAlias = "Exact | tuple[Exact, ...]"
+
+
+@dataclass(frozen=True)
+class Domain:
+    """An interval of integers or reals; ``opens`` says which of the two ends are excluded.
+
+    >>> Domain(0, 1, opens=(True, True)).describe("delta")
+    '0 < delta < 1'
+    """
+
+    low: Exact
+    high: Exact | None = None
+    opens: tuple[bool, bool] = (False, False)
+    integer: bool = False
+
+    def contains(self, value: Exact | FloatArray) -> bool:
+        """Whether every value lies in the interval (and is whole, where only integers are meant)."""
+        values = np.asarray(value)
+        inside = values > self.low if self.opens[0] else values >= self.low
+        if self.high is not None:
+            inside = inside & (values < self.high if self.opens[1] else values <= self.high)
+        if self.integer and values.dtype.kind == "f":
+            inside = inside & (values == np.floor(values))
+        whole = not (self.integer and isinstance(value, Fraction))
+        return bool(np.all(inside)) and whole
+
+    def describe(self, name: str) -> str:
+        """The domain in words of mathematics, for messages and tables."""
+        low_sign, high_sign = ("<" if is_open else "<=" for is_open in self.opens)
+        kind = "an integer, " if self.integer else ""
+        if self.high is None:
+            return f"{kind}{name} {'>' if self.opens[0] else '>='} {self.low}"
+        return f"{kind}{self.low} {low_sign} {name} {high_sign} {self.high}"
+
+
+POSITIVE_INTEGER = Domain(1, integer=True)
+COUNT = Domain(0, integer=True)
+POSITIVE = Domain(0, opens=(True, False))
+NONNEGATIVE = Domain(0)
+PROBABILITY_OPEN = Domain(0, 1, opens=(True, True))
+PROBABILITY_POSITIVE = Domain(0, 1, opens=(True, False))
+UNIT_INTERVAL = Domain(0, 1)
+AT_LEAST_ONE = Domain(1)
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One row of the table: Python name, LaTeX, meaning, domain, unit; ``array`` for one entry per cell."""
+
+    name: str
+    latex: str
+    meaning: str
+    domain: Domain
+    unit: str = "none"
+    array: bool = False
+
+    def exact(self, value: Given) -> Stored:
+        """The value as an exact number (floats are the binary number they are, strings the decimal they show)."""
+        if not self.array:
+            return self._checked(_to_exact(self.name, value))
+        if isinstance(value, str) or not isinstance(value, Iterable):
+            raise InputError(f"{self.name} = {value!r} is one number; pass an array with one entry per cell")
+        entries = tuple(
+            self._checked(_to_exact(self.name, entry)) for entry in np.ravel(np.asarray(list(value), object))
+        )
+        if not entries:
+            raise InputError(f"{self.name} is empty; pass an array with one entry per cell")
+        return entries
+
+    def floats(self, value: object) -> FloatArray:
+        """The value as float64, a scalar or an array to broadcast; every entry inside the domain."""
+        if isinstance(value, str):
+            value = _to_exact(self.name, value)
+        if isinstance(value, Fraction | Decimal):
+            value = float(value)
+        try:
+            array = np.asarray(value, dtype=np.float64)
+        except (TypeError, ValueError):
+            raise InputError(f"{self.name} = {value!r} is not numeric; expected {self._expected()}") from None
+        if not (np.all(np.isfinite(array)) and self.domain.contains(array)):
+            shown = value if array.ndim == 0 else "an array with entries outside the domain"
+            raise InputError(f"{self.name} = {shown} is outside its domain; expected {self._expected()}")
+        return np.ravel(array) if self.array else array[()]
+
+    def _checked(self, value: Exact) -> Exact:
+        if not self.domain.contains(value):
+            raise InputError(f"{self.name} = {show(value)} is outside its domain; expected {self._expected()}")
+        return value
+
+    def _expected(self) -> str:
+        return f"{self.domain.describe(self.name)} ({self.meaning})"
+
+
+def _to_exact(name: str, value: object) -> Exact:
+    try:
+        if isinstance(value, bool | np.bool_):
+            raise TypeError
+        if isinstance(value, Integral):
+            return int(value)
+        if isinstance(value, str | Decimal | Rational | Real):
+            fraction = Fraction(value) if isinstance(value, str | Decimal | Rational) else Fraction(float(value))
+            return fraction.numerator if fraction.denominator == 1 else fraction
+        raise TypeError
+    except (TypeError, ValueError, OverflowError, ZeroDivisionError):
+        raise InputError(f"{name} = {value!r} is not a finite number; write an integer, 0.05, '0.05' or 1/20") from None
+
+
+def show(value: Stored) -> str:
+    """A stored value for people: integers and short decimals as such, other rationals as fractions, arrays by size.
+
+    >>> show(Fraction(1, 20)), show(Fraction(1, 3)), show((1, 2))
+    ('0.05', '1/3', '2 entries')
+    """
+    if isinstance(value, tuple):
+        return f"{len(value)} entries"
+    if isinstance(value, int):
+        return str(value)
+    decimal = f"{float(value):.6g}" if math.isfinite(float(value)) else ""
+    return decimal if decimal and Fraction(decimal) == value else _short_fraction(value)
+
+
+def _short_fraction(value: Fraction) -> str:
+    return str(value) if value.denominator < 10**6 else repr(float(value))
+
+
+_ROWS = (
+    # the problem
+    Parameter("S", r"|\mathcal{S}|", "number of states", POSITIVE_INTEGER, "states"),
+    Parameter("A", r"|\mathcal{A}|", "number of actions", POSITIVE_INTEGER, "actions"),
+    Parameter("H", "H", "horizon: state-action pairs in a trajectory", POSITIVE_INTEGER, "steps"),
+    Parameter("d", "d", "dimension of the trajectory features", POSITIVE_INTEGER, "features"),
+    Parameter("B", "B", "bound on the norm of a trajectory's features", POSITIVE, "feature norm"),
+    Parameter("W", "W", "bound on the norm of the preference weights", POSITIVE, "1 / feature norm"),
+    # the data
+    Parameter("n", "n", "offline demonstrations", POSITIVE_INTEGER, "trajectories"),
+    Parameter("T", "T", "online preference queries", POSITIVE_INTEGER, "rounds"),
+    Parameter("t", "t", "current online round", POSITIVE_INTEGER, "rounds"),
+    Parameter("gamma_min", r"\gamma_{\min}", "smallest positive expert visitation probability", PROBABILITY_POSITIVE),
+    Parameter(
+        "rows",
+        r"\rho_{\mathrm{rows}}",
+        "transition rows that are estimated: S A, or the S expert rows",
+        POSITIVE_INTEGER,
+        "rows",
+    ),
+    Parameter("unvisited", "k", "states whose action was never recorded", COUNT, "states"),
+    Parameter("counts", "N", "transition uses of each state-action cell", COUNT, "transitions", array=True),
+    Parameter("visits", "N", "recorded actions in each (step, state) cell", COUNT, "actions", array=True),
+    # probabilities of failure
+    Parameter("delta", r"\delta", "failure probability", PROBABILITY_OPEN),
+    Parameter("delta1", r"\delta_1", "failure probability of the policy estimate", PROBABILITY_OPEN),
+    Parameter("delta2", r"\delta_2", "failure probability of the transition estimate", PROBABILITY_OPEN),
+    Parameter("delta_off", r"\delta_{\mathrm{off}}", "failure probability of the offline set", PROBABILITY_OPEN),
+    Parameter("delta_w", r"\delta_w", "failure probability of the preference confidence set", PROBABILITY_OPEN),
+    Parameter("delta_P", r"\delta_P", "failure probability of the transition bonus", PROBABILITY_OPEN),
+    Parameter("delta_F", r"\delta_F", "failure probability of the potential's supermartingale", PROBABILITY_OPEN),
+    Parameter("delta_M", r"\delta_M", "failure probability of the bonus sum's supermartingale", PROBABILITY_OPEN),
+    # intermediate quantities that a formula may take as given
+    Parameter("R", "R", "bound on a squared Hellinger distance", UNIT_INTERVAL),
+    Parameter("R1", "R_1", "bound on the policy estimate's squared Hellinger error", NONNEGATIVE),
+    Parameter("R2", "R_2", "bound on the transition estimate's squared Hellinger error", NONNEGATIVE),
+    Parameter("radius", "r", "Hellinger radius of the offline confidence set", NONNEGATIVE),
+    Parameter(
+        "mass", r"\rho^2", "estimated probability that the cloned policy meets a state without data", UNIT_INTERVAL
+    ),
+    Parameter(
+        "class_size",
+        r"|\mathcal{G}|",
+        "number of densities or policies in a finite class",
+        POSITIVE_INTEGER,
+        "elements",
+    ),
+    Parameter(
+        "log_covering", r"\log\mathcal{N}", "logarithm of a covering number at scale epsilon", NONNEGATIVE, "nats"
+    ),
+    Parameter("epsilon", r"\varepsilon", "scale of a cover", POSITIVE),
+    Parameter("chi2", r"\chi^2", "chi-square divergence from the truth to the class (0 when realizable)", NONNEGATIVE),
+    Parameter("C", r"C(\widehat\pi,\pi^*)", "concentrability coefficient", NONNEGATIVE),
+    Parameter("kl", r"\mathrm{KL}", "bound on a Kullback-Leibler divergence", NONNEGATIVE, "nats"),
+    Parameter(
+        "exit_mass",
+        "p",
+        "estimated probability of using a state-action pair without data",
+        Domain(0, 1, opens=(False, True)),
+    ),
+    Parameter("ratio", r"\max \widehat m/N", "largest expected visits per recorded use", NONNEGATIVE),
+    # online
+    Parameter("lam", r"\lambda", "regularisation of the preference estimate", POSITIVE),
+)
+
+PARAMETERS: dict[str, Parameter] = {row.name: row for row in _ROWS}
+
+
+def parameter(name: str) -> Parameter:
+    """The row of the table called ``name``.
+
+    Source: the paper's notation section. Errors: ``InputError`` naming the known parameters.
+
+    >>> parameter("delta").meaning
+    'failure probability'
+    """
+    if name not in PARAMETERS:
+        raise InputError(f"{name!r} is not a parameter of any bound; the known ones are {', '.join(PARAMETERS)}")
+    return PARAMETERS[name]

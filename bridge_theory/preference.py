@@ -1,0 +1,50 @@
+"""How curved the Bradley-Terry link is over the preference parameters: kappa, as stated and as used."""
+
+from __future__ import annotations
+
+from bridge_theory.core import Arithmetic, Value, bound, rises
+
+_EVEN = rises("cosh rises on the nonnegative reals")
+
+
+@bound(
+    title="curvature of the link over features",
+    symbol=r"\kappa",
+    source="sec:problem_formulation",
+    group="online",
+    status="stated",
+    words="the inverse slope of the sigmoid is at most {value} on inner products of norm B W",
+    monotone={"B": _EVEN, "W": _EVEN},
+)
+def kappa(m: Arithmetic, *, B: Value, W: Value) -> Value:
+    r"""Statement: :math:`\kappa=\sup_{\|x\|\le B,\|w\|\le W}1/\sigma'(\langle w,x\rangle)=2+2\cosh(BW)`.
+
+    Source: ``sec:problem_formulation``. Assumptions: none, a definition; as the paper uses it (on feature
+    differences) it is too small, see ``kappa_differences``. Arguments: ``B, W`` > 0. Returns a number >= 4. Errors:
+    ``InputError``.
+
+    >>> round(float(kappa.estimate(B=1, W=1)), 3)
+    5.086
+    """
+    return 2 + 2 * m.cosh(B * W)
+
+
+@bound(
+    title="curvature of the link over feature differences",
+    symbol=r"\kappa_2",
+    source="audit P3",
+    group="online",
+    status="repaired",
+    words="the inverse slope of the sigmoid is at most {value} on feature differences",
+    monotone={"B": _EVEN, "W": _EVEN},
+)
+def kappa_differences(m: Arithmetic, *, B: Value, W: Value) -> Value:
+    r"""Statement: :math:`\kappa_2=\sup_{\|x\|\le 2B,\|w\|\le W}1/\sigma'(\langle w,x\rangle)=2+2\cosh(2BW)`.
+
+    Source: audit P3 (the paper's kappa with the radius its proofs need). Assumptions: none. Arguments: ``B, W`` > 0.
+    Returns a number >= 4. Errors: ``InputError``.
+
+    >>> round(float(kappa_differences.estimate(B=1, W=1)), 3)
+    9.524
+    """
+    return 2 + 2 * m.cosh(2 * B * W)

@@ -1,0 +1,121 @@
+"""The value of a bound at a setting: what it is, what dominates it, whether it says anything, and in words."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from bridge_theory.arithmetic.balls import BALLS
+from bridge_theory.arithmetic.flint_balls import Ball
+from bridge_theory.bound import Bound, ball_arguments, call_with
+from bridge_theory.enclosure import Enclosure, enclose
+from bridge_theory.parameters import Stored, parameter, show
+from bridge_theory.terms import Terms
+
+
+@dataclass(frozen=True, eq=False)
+class BoundValue:
+    """A bound evaluated at validated exact parameters; everything numeric in it is certified.
+
+    Made by ``Bound.value``. Errors: none beyond those of ``Bound.value``.
+
+    >>> from bridge_theory import offline_radius
+    >>> value = offline_radius.value(S=5, A=4, H=8, n=2, delta="0.05", gamma_min="0.1")
+    >>> value.vacuous, value.dominant, round(value.enclosure.middle, 1)
+    (True, 'transfer', 1261.0)
+    """
+
+    bound: Bound
+    parameters: Mapping[str, Stored]
+
+    @cached_property
+    def enclosure(self) -> Enclosure:
+        """Certified lower and upper float64 ends of the value."""
+        return enclose(lambda: self.bound.ball(self.parameters))
+
+    @cached_property
+    def terms(self) -> dict[str, Enclosure]:
+        """Certified enclosure of each named term; empty if the formula names none."""
+        outcome = self._outcome()
+        if not isinstance(outcome, Terms):
+            return {}
+        return {name: enclose(self._term(name)) for name in outcome.parts}
+
+    @cached_property
+    def shares(self) -> dict[str, float]:
+        """Each term's fraction of the sum (display only); empty unless the terms are added."""
+        outcome = self._outcome()
+        if not isinstance(outcome, Terms) or outcome.combine != "sum":
+            return {}
+        return {name: term.middle / self.enclosure.middle for name, term in self.terms.items()}
+
+    @property
+    def dominant(self) -> str | None:
+        """The term that decides the value: the largest of a sum, the smallest of a minimum."""
+        if not self.terms:
+            return None
+        pick = max if self.shares else min
+        return pick(self.terms, key=lambda name: self.terms[name].middle)
+
+    @cached_property
+    def trivial(self) -> Enclosure | None:
+        """The value at which the statement becomes empty, or None where there is no such value."""
+        trivial = self.bound.trivial
+        if trivial is None:
+            return None
+        if callable(trivial):
+            compute: Callable[[], Ball] = lambda: call_with(trivial, BALLS, ball_arguments(self.parameters))  # noqa: E731
+            return enclose(compute)
+        return enclose(lambda: BALLS.number(trivial))
+
+    @property
+    def vacuous(self) -> bool | None:
+        """True or False when certified: the bound is no better than the trivial value. None when there is none."""
+        if self.trivial is None or not (self.enclosure.narrow and self.trivial.narrow):
+            return None
+        return self.enclosure.upper >= self.trivial.lower
+
+    @cached_property
+    def failure(self) -> Enclosure | None:
+        """The total probability with which the statement may fail, or None for a deterministic statement."""
+        total = self.bound.failure
+        if total is not None:
+            return enclose(lambda: call_with(total, BALLS, ball_arguments(self.parameters)))
+        if not self.bound.spends:
+            return None
+        return enclose(
+            lambda: sum((BALLS.number(self.parameters[name]) for name in self.bound.spends), start=BALLS.number(0))
+        )
+
+    @property
+    def words(self) -> str:
+        """The statement in words: its probability, its value, its assumptions."""
+        chance = "" if self.failure is None else f"with probability at least {max(0.0, 1 - self.failure.upper):.6g}, "
+        statement = chance + self.bound.words.format(value=f"{self.enclosure.upper:.6g}")
+        provided = f", provided {'; '.join(self.bound.assumptions)}" if self.bound.assumptions else ""
+        empty = " This is no better than the trivial value." if self.vacuous else ""
+        return statement[0].upper() + statement[1:] + provided + "." + empty
+
+    def __str__(self) -> str:
+        return f"{self.bound.name} = {self.enclosure}"
+
+    def __repr__(self) -> str:
+        shown = ", ".join(f"{name}={show(value)}" for name, value in self.parameters.items())
+        return f"<{self.bound.name}({shown}) in {self.enclosure}>"
+
+    def _repr_html_(self) -> str:
+        from bridge_theory.display import value_html
+
+        return value_html(self)
+
+    def _repr_latex_(self) -> str:
+        shown = ", ".join(f"{parameter(name).latex} = {show(value)}" for name, value in self.parameters.items())
+        return rf"${self.bound.symbol} \in [{self.enclosure.lower!r}, {self.enclosure.upper!r}] \quad ({shown})$"
+
+    def _outcome(self) -> Any:
+        return self.bound.function(BALLS, **ball_arguments(self.parameters))
+
+    def _term(self, name: str) -> Callable[[], Ball]:
+        return lambda: self._outcome().parts[name]

@@ -206,6 +206,34 @@ _ROWS = (
     Parameter("ratio", r"\max \widehat m/N", "largest expected visits per recorded use", NONNEGATIVE),
     # online
     Parameter("lam", r"\lambda", "regularisation of the preference estimate", POSITIVE),
+    Parameter("K", "K", "comparisons per round", POSITIVE_INTEGER, "comparisons"),
+    Parameter("N", "N", "observed transitions out of a state-action pair", COUNT, "transitions"),
+    Parameter("eta", r"\eta", "bound on the size of the function whose expectation the bonus corrects", POSITIVE),
+    Parameter("occupancy", "q", "expected uses of each state-action cell by a policy", NONNEGATIVE, "uses", array=True),
+    Parameter("delta_V", r"\delta_V", "failure probability of the relation between data matrices", PROBABILITY_OPEN),
+    Parameter(
+        "log_det_ratio", r"\log\frac{\det V_t}{(\kappa\lambda)^d}", "growth of the data matrix", NONNEGATIVE, "nats"
+    ),
+    Parameter("residual", "e_t", "distance of the weights from solving the estimating equation", NONNEGATIVE),
+    Parameter("gamma", r"\gamma", "multiplier of the preference uncertainty", POSITIVE),
+    Parameter("L", "L", "bound on the norm of every vector", POSITIVE),
+    Parameter("v", "v", "initial multiple of the identity in the data matrix", POSITIVE),
+    Parameter("square_sum", r"\sum_t\|x_t\|^2", "sum of the squared Euclidean norms", NONNEGATIVE),
+    Parameter(
+        "norm_sum", r"\sum_t\|D_t\|_{V_t^{-1}}", "sum of the feature differences in the data-matrix norm", NONNEGATIVE
+    ),
+    Parameter(
+        "width_sum", r"\sum_t\rho_t\|D_t\|_{V_t^{-1}}", "sum of the preference uncertainties played", NONNEGATIVE
+    ),
+    Parameter("bonus_sum", r"\sum_{i,t} b_t(\pi_t^i)", "sum of the bonuses of the policies played", NONNEGATIVE),
+    Parameter("bonus_square_sum", r"\sum_{i,t} b_t(\pi_t^i)^2", "sum of the squared bonuses", NONNEGATIVE),
+    Parameter("true_bonus", "B_t", "expected bonus under the true dynamics", NONNEGATIVE),
+    Parameter("optimism", "o", "estimated advantage over the policies played plus its uncertainty", NONNEGATIVE),
+    Parameter("norm", r"\|m\|_2", "norm of the summed feature differences", NONNEGATIVE),
+    Parameter("diameter", "D", "largest feature distance between two policies of the offline set", NONNEGATIVE),
+    Parameter("Delta_n", r"\Delta_n", "largest total variation from the offline set to the expert", UNIT_INTERVAL),
+    Parameter("S_reach", r"|S_{\mathrm{reach}}|", "state-action pairs the expert visits", POSITIVE_INTEGER, "pairs"),
+    Parameter("uncovered", "u", "state-action pairs used online with too little offline data", COUNT, "pairs"),
 )
 
 PARAMETERS: dict[str, Parameter] = {row.name: row for row in _ROWS}

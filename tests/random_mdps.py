@@ -36,3 +36,15 @@ def parting_gift(horizon: int = 3) -> TabularMDP:
     return TabularMDP(
         transitions=[[[1, 0], [0, 1]], [[0, 1], [0, 1]]], initial=[1, 0], horizon=horizon, reward=[[1, 5], [0, 0]]
     )
+
+
+def contested_mdp(seed: int, n_states: int = 7, n_actions: int = 3, horizon: int = 6) -> TabularMDP:
+    """Few moves and whole rewards: the best action often depends on the time left, so that stationarity costs."""
+    rng = np.random.default_rng(seed)
+    transitions = np.zeros((n_states, n_actions, n_states))
+    for state in range(n_states):
+        for action in range(n_actions):
+            likely, other = rng.choice(n_states, 2, replace=False)
+            transitions[state, action, [likely, other]] = [0.9, 0.1] if seed % 2 else [1.0, 0.0]
+    reward = rng.integers(-2, 6, size=(n_states, n_actions))
+    return TabularMDP(transitions, np.full(n_states, 1 / n_states), horizon, reward, name=f"contested {seed}")

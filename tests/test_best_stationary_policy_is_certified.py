@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from random_mdps import parting_gift, random_mdp, random_mdps
+from random_mdps import contested_mdp, parting_gift, random_mdp, random_mdps
 
 from bridge_algos.evaluation import expected_return, expected_returns
 from bridge_algos.expert import backward_induction, best_stationary, branch_and_bound, enumerate_stationary, stationary
@@ -25,15 +25,35 @@ def test_enumeration_and_branch_and_bound_equal_all_policies(mdp):
         assert returns.max() <= found.upper
 
 
+def test_branching_finds_what_rounding_misses():
+    missed = 0
+    for seed in range(80):
+        mdp = contested_mdp(seed)
+        best, found = enumerate_stationary(mdp), branch_and_bound(mdp)
+        assert found.optimal
+        assert found.value == pytest.approx(best.value, abs=found.tolerance)
+        missed += branch_and_bound(mdp, node_limit=1).value < best.value - best.tolerance
+    assert missed >= 5
+
+
 @settings(derandomize=True, deadline=None, max_examples=60)
-@given(mdp=random_mdps(max_horizon=12), node_limit=st.sampled_from((1, 5, 20, 60)))
-def test_what_is_claimed_holds_wherever_the_search_stops(mdp, node_limit):
+@given(seed=st.integers(0, 10**6), node_limit=st.integers(1, 60))
+def test_what_is_claimed_holds_wherever_the_search_stops(seed, node_limit):
+    mdp = contested_mdp(seed, n_states=6)
     best = enumerate_stationary(mdp).value
     found = branch_and_bound(mdp, node_limit)
     assert found.evaluations <= node_limit
     assert found.value - found.tolerance <= best <= found.upper
     if found.optimal:
         assert found.value >= best - found.tolerance
+
+
+def test_the_limit_is_used_up_to_the_last_affordable_node():
+    mdp = contested_mdp(seed=10, n_states=8)
+    needed = branch_and_bound(mdp).evaluations
+    assert needed > 1
+    assert branch_and_bound(mdp, needed).optimal
+    assert not branch_and_bound(mdp, needed - 1).optimal
 
 
 def test_a_stopped_search_says_so():

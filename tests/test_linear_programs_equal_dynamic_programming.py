@@ -64,9 +64,9 @@ def test_the_answer_is_feasible_and_complementary(mdp, discount):
 
 
 def test_ties_go_to_the_lowest_action_even_when_rounding_differs():
-    third = 1 / 3
-    rows = [[third, third, 1 - 2 * third], [1 - 2 * third, third, third], [0.2, 0.3, 0.5]]
-    mdp = TabularMDP([rows] * 3, initial=[1, 0, 0], horizon=4, reward=[0.1, 0.1, 0.1])
+    # 0.1 + 0.2 is above 0.3 in binary.
+    mdp = TabularMDP([[[1], [1]]], initial=[1], horizon=4, reward=[[0.3, 0.1 + 0.2]])
+    assert mdp.reward.argmax() == 1
     assert (backward_induction(mdp)[0] == 0).all()
     assert (policy_iteration(mdp, 0.99)[0] == 0).all()
 

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_mdps import random_mdp, random_mdps
+from sympy import Matrix, Rational, eye
 
 from bridge_algos.evaluation import rounding_allowance
 from bridge_algos.expert import SolverError, backward_induction, experts, linear_program, make_expert
@@ -99,6 +100,51 @@ def test_an_inaccurate_answer_still_encloses_the_optimum(mdp, seed):
     unrepaired = float(mdp.initial @ noisy.values[0])
     repair = mdp.horizon * certificate.dual_infeasibility
     assert certificate.upper <= unrepaired + repair + 4 * rounding_allowance(mdp)
+
+
+def rational(array) -> list:
+    return [rational(row) for row in array] if np.ndim(array) else Rational(*float(array).as_integer_ratio())
+
+
+def rational_model(mdp):
+    """Initial law, (S, A) rewards as matrices by action, and kernels by action, in rationals."""
+    actions = range(mdp.n_actions)
+    kernels = [Matrix(rational(mdp.transitions[:, action])) for action in actions]
+    if mdp.reward.ndim == 1:
+        rewards = [kernel * Matrix(rational(mdp.reward)) for kernel in kernels]
+    elif mdp.reward.ndim == 2:
+        rewards = [Matrix(rational(mdp.reward[:, action])) for action in actions]
+    else:
+        paid = [Matrix(rational(mdp.reward[:, action])) for action in actions]
+        ones = Matrix([1] * mdp.n_states)
+        rewards = [kernel.multiply_elementwise(pay) * ones for kernel, pay in zip(kernels, paid, strict=True)]
+    return Matrix(rational(mdp.initial)).T, rewards, kernels
+
+
+@settings(derandomize=True, deadline=None, max_examples=20)
+@given(mdp=random_mdps(max_states=3, max_horizon=4))
+def test_the_enclosure_holds_in_exact_arithmetic(mdp):
+    initial, rewards, kernels = rational_model(mdp)
+    values = Matrix([0] * mdp.n_states)
+    for _ in range(mdp.horizon):
+        backups = [reward + kernel * values for reward, kernel in zip(rewards, kernels, strict=True)]
+        values = Matrix([max(column) for column in zip(*backups, strict=True)])
+    optimum = (initial * values)[0]
+    certificate = make_expert(mdp, "finite-horizon-lp").certificate
+    assert Rational(certificate.lower) <= optimum <= Rational(certificate.upper)
+    assert certificate.gap > 3 * rounding_allowance(mdp)
+
+
+@settings(derandomize=True, deadline=None, max_examples=20)
+@given(mdp=random_mdps(max_states=3), discount=st.sampled_from((0.5, 0.99, 0.99999)))
+def test_the_discounted_enclosure_holds_in_exact_arithmetic(mdp, discount):
+    initial, rewards, kernels = rational_model(mdp)
+    expert = make_expert(mdp, "discounted-lp", discount=discount)
+    states = range(mdp.n_states)
+    kernel = Matrix([kernels[expert.policy[state]].row(state) for state in states])
+    reward = Matrix([rewards[expert.policy[state]][state] for state in states])
+    own = (initial * (eye(mdp.n_states) - rational(discount) * kernel).LUsolve(reward))[0]
+    assert Rational(expert.certificate.lower) <= own <= Rational(expert.certificate.upper)
 
 
 @pytest.mark.parametrize(

@@ -63,8 +63,8 @@ def certify_finite_horizon(
     values = np.zeros(mdp.n_states)
     for h in reversed(range(mdp.horizon)):
         backup = (mdp.expected_reward + expected_next_value(mdp, values)).max(axis=-1)
-        # The trivial bound is feasible as well, and so is the minimum of two feasible duals: values of states that no
-        # trajectory visits are arbitrary in a dual, and would otherwise swamp the rounding allowance.
+        # Any values become feasible when they are raised to the backup. The cap keeps those of states that no
+        # trajectory visits, which are arbitrary in a dual, from swamping the rounding allowance.
         values = np.maximum(backup, np.minimum(solution.values[h], (mdp.horizon - h) * largest))
     # Twice: once for these recursions, once for that of the optimum they are compared with.
     allowance = 2 * rounding_allowance(mdp)
@@ -107,8 +107,8 @@ def _certify(
         raise SolverError("the solver returned numbers that are not finite; try another solver, such as HIGHS.")
     slack = program.flow.T @ values - program.reward
     certificate = Certificate(
-        primal_infeasibility=float(max(np.abs(program.flow @ occupancy - program.inflow).max(), -occupancy.min(), 0.0)),
-        dual_infeasibility=float(max(-slack.min(), 0.0)),
+        primal_infeasibility=float(max(0.0, np.abs(program.flow @ occupancy - program.inflow).max(), -occupancy.min())),
+        dual_infeasibility=float(max(0.0, -slack.min())),
         complementarity=float(np.abs(occupancy * slack).sum()),
         primal_objective=float(program.reward @ occupancy),
         lower=lower,

@@ -13,7 +13,7 @@ import scipy.linalg
 
 from bridge_algos.mdp import FloatArray
 
-TILE = 256
+TILE = 64
 
 
 def whiten(features: FloatArray, matrix: FloatArray) -> FloatArray:

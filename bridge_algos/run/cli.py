@@ -6,24 +6,18 @@ import argparse
 import json
 from dataclasses import fields
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
-from bridge_algos.envs.registry import ENVIRONMENTS
+from bridge_algos.envs.registry import mdp_names
+from bridge_algos.run.arguments import Parser
 from bridge_algos.run.config import ALGORITHMS, RunConfig, preset
 from bridge_theory.errors import InputError
 
 
-class _Parser(argparse.ArgumentParser):
-    """Argument errors in one sentence, like all others."""
-
-    def error(self, message: str) -> NoReturn:
-        raise InputError(f"{message}; try 'bridge-rl run --help'.")
-
-
 def parser() -> argparse.ArgumentParser:
     """The options of ``bridge-rl run``."""
-    p = _Parser(prog="bridge-rl run", description="Run BRIDGE, PbRL and BC on a tabular environment.")
-    p.add_argument("environment", help=f"one of {', '.join(sorted(ENVIRONMENTS))}")
+    p = Parser(prog="bridge-rl run", description="Run BRIDGE, PbRL and BC on a tabular environment.")
+    p.add_argument("environment", help=f"one of {', '.join(mdp_names())}")
     p.add_argument("--preset", default="published", help="published (default) or theory")
     p.add_argument("--seeds", type=int, default=30, help="number of seeds, 0..SEEDS-1 (default 30)")
     p.add_argument("--rounds", type=int, help="online rounds T (default: the preset's)")

@@ -68,7 +68,7 @@ def _run_seed(config: RunConfig, world: World, seed: int) -> xr.Dataset:
     radii = named_radii(mdp.dynamics, world.expert.policy, config.n_demonstrations, config.delta)
     radius = radii[config.radius] if isinstance(config.radius, str) else float(config.radius)
     problem = OnlineProblem(
-        mdp, world.embedding, build_oracle(config, world), world.optimum, world.expert_return, world.w_star
+        mdp, world.embedding, build_oracle(config, world), world.optimum, world.expert.expected_return, world.w_star
     )
     offline = PolicySet(estimate, clone, radius)
     records = {}
@@ -115,8 +115,8 @@ def _constant(config: RunConfig, world: World, clone: IntArray) -> dict[str, Flo
     """The record of playing the clone for ever."""
     value = expected_return(world.mdp, clone)
     record = {name: np.full(config.rounds, np.nan) for name in RECORDED}
-    record["suboptimality"][:] = world.expert_return - value
-    record["pseudo_regret"][:] = expected_return(world.mdp, world.optimum) - value
+    record["suboptimality"][:] = world.expert.expected_return - value
+    record["pseudo_regret"][:] = world.expert.best_stationary.value - value
     record["set_size"][:] = 1
     return record
 
@@ -181,9 +181,9 @@ def _dataset(
             "configuration": config.to_json(),
             "versions": json.dumps({package: _version(package) for package in PACKAGES}),
             "expert": world.expert.describe(),
-            "expert_return": world.expert_return,
-            "optimum_return": expected_return(world.mdp, world.optimum),
-            "optimum_gap": world.optimum_gap,
+            "expert_return": world.expert.expected_return,
+            "optimum_return": world.expert.best_stationary.value,
+            "optimum_upper": world.expert.best_stationary.upper,
             "utility_scale": world.utility_scale,
         },
     )

@@ -8,7 +8,6 @@ import numpy as np
 
 from bridge_algos.embeddings import Embedding, make_embedding
 from bridge_algos.envs.registry import make_mdp
-from bridge_algos.evaluation import expected_return
 from bridge_algos.expert.experts import Expert, make_expert
 from bridge_algos.mdp import FloatArray, IntArray, TabularMDP
 from bridge_algos.online.oracles import BradleyTerryOracle, Oracle, ReturnOracle
@@ -21,8 +20,6 @@ class World:
     """Environment, expert and yardsticks of a run.
 
     Args:
-        optimum: (S,) best stationary deterministic policy found, what pseudo-regret is measured against.
-        optimum_gap: certified upper bound on how much better another stationary deterministic policy can be.
         w_star: (d,) true weights when the utility is linear in the embedding, else None.
         utility_scale: utility per unit of reward, <phi(pi), w*> = utility_scale J(pi); NaN without w*.
         weight_bound: W.
@@ -30,29 +27,27 @@ class World:
 
     mdp: TabularMDP
     expert: Expert
-    optimum: IntArray
-    optimum_gap: float
     embedding: Embedding
     w_star: FloatArray | None
     utility_scale: float
     weight_bound: float
 
     @property
-    def expert_return(self) -> float:
-        return expected_return(self.mdp, self.expert.policy)
+    def optimum(self) -> IntArray:
+        """(S,) the best stationary deterministic policy found, which pseudo-regret is measured against."""
+        return self.expert.best_stationary.policy
 
 
 def build_world(config: RunConfig) -> World:
     """Environment, expert and yardsticks of a configuration; deterministic."""
     mdp = make_mdp(config.environment, **config.environment_options)
     expert = make_expert(mdp, config.expert, discount=config.discount)
-    best = make_expert(mdp, "best-stationary")
     embedding = make_embedding(config.embedding, mdp.n_states, mdp.n_actions, mdp.horizon)
     weight_bound = 1 / embedding.bound if config.weight_bound is None else config.weight_bound
     w_star, scale = None, np.nan
     if config.embedding == "state_action_counts":
         w_star, scale = _utility(mdp, weight_bound)
-    return World(mdp, expert, best.policy, best.gap, embedding, w_star, scale, weight_bound)
+    return World(mdp, expert, embedding, w_star, scale, weight_bound)
 
 
 def build_oracle(config: RunConfig, world: World) -> Oracle:

@@ -28,7 +28,8 @@ def surviving(
     """Which policies no challenger beats: no j with lower_j > upper_i + gamma ||z_i - z_j||.
 
     Challengers come in falling order of ``lower``; a policy whose ``upper`` reaches the best remaining ``lower``
-    is safe from all that follow, whatever the distances, so that most policies meet only a few tiles.
+    is safe from all that follow, whatever the distances, so that most policies meet only a few tiles. Rounding may keep
+    a policy, never rule one out: a confidence set may only err on the large side.
 
     Args:
         upper: (N,) scores plus bonus, s + b.
@@ -42,16 +43,21 @@ def surviving(
     """
     others = z if challengers is None else challengers
     order = np.argsort(-lower, kind="stable")
+    slack = 1e-12 * (1 + max(float(np.abs(upper).max()), float(np.abs(lower).max())))
+    origin = z.mean(axis=0)
+    squared = _SquaredDistances(gamma * (z - origin), gamma * (others - origin))
+    threshold, reach = lower - slack, upper
     kept = np.ones(len(z), dtype=bool)
     open_ = np.arange(len(z))
     for start in range(0, len(order), TILE):
         tile = order[start : start + TILE]
-        open_ = open_[kept[open_] & (upper[open_] < lower[tile[0]])]
-        if not len(open_):
-            break
-        for part in (open_[i : i + 4 * TILE] for i in range(0, len(open_), 4 * TILE)):
-            needed = lower[tile] - upper[part, None]
-            kept[part[(needed > gamma * _distances(z[part], others[tile])).any(axis=1)]] = False
+        open_ = open_[kept[open_] & (reach[open_] < threshold[tile[0]])]
+        for part in (open_[i : i + TILE] for i in range(0, len(open_), TILE)):
+            needed = threshold[tile] - reach[part, None]
+            np.maximum(needed, 0, out=needed)
+            np.square(needed, out=needed)
+            needed -= squared.above(part, tile)
+            kept[part[needed.max(axis=1) > 0]] = False
     return kept
 
 
@@ -83,3 +89,16 @@ def widest_pair(z: FloatArray, gamma: float, bonus: FloatArray) -> tuple[int, in
 def _distances(a: FloatArray, b: FloatArray) -> FloatArray:
     squared = (a**2).sum(axis=1)[:, None] + (b**2).sum(axis=1) - 2 * (a @ b.T)
     return np.asarray(np.sqrt(np.maximum(squared, 0)))
+
+
+class _SquaredDistances:
+    """Upper values of ||a_i - b_j||^2 by one matrix product per tile: rows (a, |a|^2, 1) times (-2 b, 1, |b|^2)."""
+
+    def __init__(self, a: FloatArray, b: FloatArray) -> None:
+        squares_a, squares_b = (a**2).sum(axis=1), (b**2).sum(axis=1)
+        allowance = 8 * np.finfo(float).eps * (a.shape[1] + 2) * (squares_a.max() + squares_b.max())
+        self._left = np.column_stack([a, squares_a, np.ones(len(a))])
+        self._right = np.column_stack([-2 * b, np.ones(len(b)), squares_b + allowance])
+
+    def above(self, rows: np.ndarray, columns: np.ndarray) -> FloatArray:
+        return np.asarray(self._left[rows] @ self._right[columns].T)

@@ -121,7 +121,7 @@ def load_trajectories(path: str | Path, n_states: int, n_actions: int, horizon: 
         InputError: when the file is missing, is no ``.npz``, lacks an array or does not fit the MDP.
     """
     try:
-        with np.load(path, allow_pickle=False) as archive:
+        with Path(path).open("rb") as handle, np.load(handle, allow_pickle=False) as archive:
             arrays = {name: archive[name] for name in archive.files}
     except FileNotFoundError:
         raise InputError(f"{path} does not exist; give the path of an .npz file with 'states' and 'actions'.") from None

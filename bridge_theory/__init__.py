@@ -1,7 +1,63 @@
 """Every bound of the BRIDGE paper (arXiv 2509.26605): symbolic, numeric, certified. Pure mathematics."""
 
 from bridge_theory.offline.radius import alpha_offline, beta_offline, offline_radius
+from bridge_theory.online.bonus import empirical_bonus, expected_bonus, xi, xi_bar, xi_repaired
+from bridge_theory.online.bonus_relation import empirical_from_true_bonus, empirical_from_true_bonus_sharp
+from bridge_theory.online.confidence import (
+    beta_repaired,
+    beta_repaired_logdet,
+    beta_t,
+    confidence_radius,
+    confidence_radius_repaired,
+)
+from bridge_theory.online.coverage import coverage_failure, covered_bonus, reach_size
+from bridge_theory.online.l1_bonus import bonus_radius, estimated_radius_sum, transition_bonus
+from bridge_theory.online.multiplier import (
+    gamma_unknown,
+    gamma_unknown_repaired,
+    net_delta,
+    net_scale,
+    online_bonus_delta,
+    step_bonus_delta,
+)
+from bridge_theory.online.norm_relation import alpha_dT, gamma_known, matrix_shift, norm_relation, norm_relation_sharp
 from bridge_theory.preference import kappa, kappa_differences
 from bridge_theory.setting import Setting
 
-__all__ = ["Setting", "alpha_offline", "beta_offline", "kappa", "kappa_differences", "offline_radius"]
+__all__ = [
+    "Setting",
+    "alpha_dT",
+    "alpha_offline",
+    "beta_offline",
+    "beta_repaired",
+    "beta_repaired_logdet",
+    "beta_t",
+    "bonus_radius",
+    "confidence_radius",
+    "confidence_radius_repaired",
+    "coverage_failure",
+    "covered_bonus",
+    "empirical_bonus",
+    "empirical_from_true_bonus",
+    "empirical_from_true_bonus_sharp",
+    "estimated_radius_sum",
+    "expected_bonus",
+    "gamma_known",
+    "gamma_unknown",
+    "gamma_unknown_repaired",
+    "kappa",
+    "kappa_differences",
+    "matrix_shift",
+    "net_delta",
+    "net_scale",
+    "norm_relation",
+    "norm_relation_sharp",
+    "offline_radius",
+    "online_bonus_delta",
+    "reach_size",
+    "step_bonus_delta",
+    "transition_bonus",
+    "xi",
+    "xi_bar",
+    "xi_repaired",
+]

@@ -1,0 +1,1 @@
+"""Formulas of the online part: preference confidence sets, norm relations, transition bonuses, coverage."""

@@ -24,7 +24,9 @@ def main(argv: list[str] | None = None) -> int:
     name, *rest = arguments
     if name not in SUBCOMMANDS:
         known = ", ".join(SUBCOMMANDS)
-        print(f"bridge-rl: unknown subcommand {name!r}; expected one of {known}; try 'bridge-rl --help'", file=sys.stderr)
+        print(
+            f"bridge-rl: unknown subcommand {name!r}; expected one of {known}; try 'bridge-rl --help'", file=sys.stderr
+        )
         return 2
     module = importlib.import_module(SUBCOMMANDS[name][0])
     try:

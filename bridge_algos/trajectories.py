@@ -1,0 +1,136 @@
+"""Trajectories: sampling them all at once, and keeping demonstrations on disk without pickles."""
+
+from __future__ import annotations
+
+import zipfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from bridge_algos.files import atomic_write
+from bridge_algos.mdp import Dynamics, FloatArray, IntArray, TabularMDP
+from bridge_algos.policies import action_probabilities
+from bridge_theory.errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectories:
+    """n trajectories of H state-action pairs.
+
+    Args:
+        states: (n, H) integers s_1..s_H.
+        actions: (n, H) integers a_1..a_H.
+        rewards: (n, H) realised rewards of the H steps, or None where they were not observed.
+    """
+
+    states: IntArray
+    actions: IntArray
+    rewards: FloatArray | None = None
+
+    def __len__(self) -> int:
+        return int(self.states.shape[0])
+
+    @property
+    def horizon(self) -> int:
+        return int(self.states.shape[1])
+
+    def checked(self, n_states: int, n_actions: int, horizon: int | None = None) -> Trajectories:
+        """Itself, after making sure that shapes and ranges fit an MDP; raises InputError otherwise."""
+        for name, array, count in (("states", self.states, n_states), ("actions", self.actions, n_actions)):
+            if array.ndim != 2 or array.dtype.kind not in "iu":
+                raise InputError(f"{name} has shape {array.shape} of {array.dtype}, expected integers of shape (n, H).")
+            if array.size == 0:
+                raise InputError(
+                    f"{name} has shape {array.shape}: no data; expected at least one trajectory of one step."
+                )
+            if array.min() < 0 or array.max() >= count:
+                raise InputError(
+                    f"{name} holds values {array.min()}..{array.max()}, expected 0..{count - 1}; "
+                    "are these demonstrations from another environment?"
+                )
+        if self.states.shape != self.actions.shape:
+            raise InputError(f"states has shape {self.states.shape} but actions {self.actions.shape}; they must agree.")
+        if horizon is not None and self.horizon != horizon:
+            raise InputError(f"the trajectories have {self.horizon} steps, expected the MDP's horizon {horizon}.")
+        if self.rewards is not None and self.rewards.shape != self.states.shape:
+            raise InputError(f"rewards has shape {self.rewards.shape}, expected that of states, {self.states.shape}.")
+        return self
+
+
+def sample_trajectories(mdp: TabularMDP, policy: ArrayLike, n: int, rng: np.random.Generator) -> Trajectories:
+    """n independent trajectories of a policy in an MDP, with their realised rewards; vectorised over trajectories.
+
+    Args:
+        policy: any form that :func:`bridge_algos.policies.action_probabilities` takes.
+        n: number of trajectories, at least 1.
+        rng: the source of all randomness.
+    """
+    states, actions, arrivals = sample_paths(mdp.dynamics, policy, n, rng)
+    if mdp.reward.ndim == 1:
+        rewards = mdp.reward[arrivals]
+    elif mdp.reward.ndim == 2:
+        rewards = mdp.reward[states, actions]
+    else:
+        rewards = mdp.reward[states, actions, arrivals]
+    return Trajectories(states, actions, rewards)
+
+
+def sample_paths(
+    dynamics: Dynamics, policy: ArrayLike, n: int, rng: np.random.Generator
+) -> tuple[IntArray, IntArray, IntArray]:
+    """States s_1..s_H, actions a_1..a_H and arrivals s_2..s_{H+1}, each (n, H)."""
+    horizon = dynamics.horizon
+    choice = _cumulative(action_probabilities(policy, dynamics.n_states, dynamics.n_actions, horizon))
+    kernel = _cumulative(dynamics.transitions)
+    start = _cumulative(dynamics.initial)
+    states, actions, arrivals = (np.empty((n, horizon), dtype=np.int64) for _ in range(3))
+    current = np.searchsorted(start, rng.random(n), side="right")
+    for h in range(horizon):
+        states[:, h] = current
+        actions[:, h] = _draw(choice[h, current], rng)
+        current = _draw(kernel[current, actions[:, h]], rng)
+        arrivals[:, h] = current
+    return states, actions, arrivals
+
+
+def _cumulative(probabilities: FloatArray) -> FloatArray:
+    cumulative = np.cumsum(probabilities, axis=-1)
+    return np.asarray(cumulative / cumulative[..., -1:])
+
+
+def _draw(cumulative: FloatArray, rng: np.random.Generator) -> IntArray:
+    return np.asarray((cumulative <= rng.random(len(cumulative))[:, None]).sum(axis=1))
+
+
+def save_trajectories(path: str | Path, trajectories: Trajectories) -> None:
+    """Write trajectories to an ``.npz`` file, whole or not at all."""
+    arrays = {"states": trajectories.states, "actions": trajectories.actions}
+    if trajectories.rewards is not None:
+        arrays["rewards"] = trajectories.rewards
+    with atomic_write(Path(path)) as handle:
+        np.savez_compressed(handle, **arrays)  # type: ignore[arg-type]
+
+
+def load_trajectories(path: str | Path, n_states: int, n_actions: int, horizon: int | None = None) -> Trajectories:
+    """Read trajectories from an ``.npz`` file and check them against an MDP; nothing in the file is executed.
+
+    Raises:
+        InputError: when the file is missing, is no ``.npz``, lacks an array or does not fit the MDP.
+    """
+    try:
+        with np.load(path, allow_pickle=False) as archive:
+            arrays = {name: archive[name] for name in archive.files}
+    except FileNotFoundError:
+        raise InputError(f"{path} does not exist; give the path of an .npz file with 'states' and 'actions'.") from None
+    except (ValueError, OSError, EOFError, zipfile.BadZipFile, AttributeError) as error:
+        raise InputError(f"{path} is not a readable .npz file of plain arrays ({error}); save it again.") from None
+    missing = {"states", "actions"} - set(arrays)
+    if missing:
+        raise InputError(
+            f"{path} lacks {sorted(missing)}; expected integer arrays 'states' and 'actions' of shape (n, H)."
+        )
+    return Trajectories(arrays["states"], arrays["actions"], arrays.get("rewards")).checked(
+        n_states, n_actions, horizon
+    )

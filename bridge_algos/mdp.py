@@ -1,8 +1,8 @@
 """Finite-horizon tabular Markov decision processes and what is wrong with one, said in sentences.
 
 A trajectory has H state-action pairs (s_1, a_1), ..., (s_H, a_H) (section "Problem formulation" of the paper). Step h
-pays the reward of the transition s_h, a_h -> s_{h+1}; the arrival after the last action is paid too, as an environment's
-``step`` does, although s_{H+1} is not part of the trajectory.
+pays the reward of the transition s_h, a_h -> s_{h+1}; the arrival after the last action is paid too, as by the ``step``
+of an environment, although s_{H+1} is not part of the trajectory.
 """
 
 from __future__ import annotations
@@ -118,7 +118,7 @@ class TabularMDP:
 
     @classmethod
     def from_gymnasium(cls, environment: Any, horizon: int | None = None) -> TabularMDP:
-        """The MDP behind a Gymnasium environment with a transition table; see :mod:`bridge_algos.envs.from_gymnasium`."""
+        """The MDP behind a Gymnasium environment that has a transition table (``bridge_algos.envs.from_gymnasium``)."""
         from bridge_algos.envs.from_gymnasium import mdp_from_gymnasium
 
         return mdp_from_gymnasium(environment, horizon)

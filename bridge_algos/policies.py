@@ -50,7 +50,8 @@ def check_actions(policies: NDArray[np.integer], n_actions: int) -> None:
     """Raise InputError unless every action is in range."""
     if policies.size and (policies.min() < 0 or policies.max() >= n_actions):
         raise InputError(
-            f"a deterministic policy has an action outside 0..{n_actions - 1}: {int(policies.min())}..{int(policies.max())}."
+            f"a deterministic policy has actions {int(policies.min())}..{int(policies.max())}, "
+            f"expected values in 0..{n_actions - 1}."
         )
 
 

@@ -27,7 +27,8 @@ class Dynamics:
     """How states follow one another: kernel, initial law and horizon.
 
     Args:
-        transitions: (S, A, S) kernel P(s'|s, a); rows are probability vectors.
+        transitions: (S, A, S) kernel P(s'|s, a); rows are probability vectors. Hellinger distances also take a
+            time-dependent kernel (H - 1, S, A, S).
         initial: (S,) law d_0 of the first state.
         horizon: H >= 1, the number of state-action pairs in a trajectory.
     """
@@ -38,11 +39,11 @@ class Dynamics:
 
     @property
     def n_states(self) -> int:
-        return int(self.transitions.shape[0])
+        return int(self.transitions.shape[-1])
 
     @property
     def n_actions(self) -> int:
-        return int(self.transitions.shape[1])
+        return int(self.transitions.shape[-2])
 
     def under(self, transitions: FloatArray) -> Dynamics:
         """The same initial law and horizon with another kernel (for example an estimate)."""

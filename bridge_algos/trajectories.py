@@ -5,6 +5,7 @@ from __future__ import annotations
 import zipfile
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -106,11 +107,11 @@ def _draw(cumulative: FloatArray, rng: np.random.Generator) -> IntArray:
 
 def save_trajectories(path: str | Path, trajectories: Trajectories) -> None:
     """Write trajectories to an ``.npz`` file, whole or not at all."""
-    arrays = {"states": trajectories.states, "actions": trajectories.actions}
+    arrays: dict[str, Any] = {"states": trajectories.states, "actions": trajectories.actions}
     if trajectories.rewards is not None:
         arrays["rewards"] = trajectories.rewards
     with atomic_write(Path(path)) as handle:
-        np.savez_compressed(handle, **arrays)  # type: ignore[arg-type]
+        np.savez_compressed(handle, **arrays)
 
 
 def load_trajectories(path: str | Path, n_states: int, n_actions: int, horizon: int | None = None) -> Trajectories:

@@ -1,0 +1,105 @@
+r"""Occupancies: how often a policy is where, exactly, for many policies at once.
+
+The state occupancy of a policy is :math:`d_h(s) = P^\pi(s_h = s)`; it obeys :math:`d_{h+1} = d_h T_\pi` with
+:math:`T_\pi(s, s') = P(s' | s, \pi(s))`. Everything linear in occupancies (returns, expected embeddings, bonuses) is
+computed from them without sampling.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from bridge_algos.mdp import Dynamics, FloatArray, IntArray
+from bridge_algos.policies import action_probabilities, check_actions
+from bridge_theory.errors import InputError
+
+BLOCK = 1024
+"""Policies per batched matrix product: their kernels (BLOCK, S, S) should stay in the processor's cache."""
+
+
+def blocks(policies: IntArray, n_states: int, n_actions: int) -> Iterator[tuple[slice, IntArray]]:
+    """Consecutive blocks of a batch of deterministic policies (N, S), after checking shape and range."""
+    if policies.ndim != 2 or policies.shape[1] != n_states or policies.dtype.kind not in "iu":
+        raise InputError(
+            f"a batch of policies has shape {policies.shape} of {policies.dtype}, expected integers (N, {n_states})."
+        )
+    check_actions(policies, n_actions)
+    size = max(1, min(BLOCK, BLOCK * 256 // n_states**2))
+    for start in range(0, len(policies), size):
+        yield slice(start, start + size), policies[start : start + size]
+
+
+def state_occupancies(dynamics: Dynamics, policies: IntArray) -> FloatArray:
+    """Per-step state occupancies of one block of deterministic policies.
+
+    Args:
+        policies: (N, S) integers; the result and the kernels are held whole, so pass a block at a time.
+
+    Returns:
+        (N, H, S) array d_h(s); each (H, S) slice has rows that sum to one.
+    """
+    n, n_states = policies.shape
+    kernels = dynamics.transitions[np.arange(n_states), policies]
+    occupancy = np.empty((n, dynamics.horizon, n_states))
+    occupancy[:, 0] = dynamics.initial
+    for h in range(1, dynamics.horizon):
+        np.matmul(occupancy[:, None, h - 1], kernels, out=occupancy[:, None, h])
+    return occupancy
+
+
+def state_action_occupancies(dynamics: Dynamics, policy: ArrayLike) -> FloatArray:
+    """Per-step occupancies d_h(s, a), (H, S, A), of one policy of any form, stochastic and time-dependent included.
+
+    >>> import numpy as np
+    >>> swap = Dynamics(np.array([[[0.0, 1.0]], [[1.0, 0.0]]]), np.array([1.0, 0.0]), 3)
+    >>> state_action_occupancies(swap, [0, 0])[:, :, 0]
+    array([[1., 0.],
+           [0., 1.],
+           [1., 0.]])
+    """
+    probabilities = action_probabilities(policy, dynamics.n_states, dynamics.n_actions, dynamics.horizon)
+    occupancy = np.empty_like(probabilities)
+    states = dynamics.initial
+    for h in range(dynamics.horizon):
+        occupancy[h] = states[:, None] * probabilities[h]
+        states = np.einsum("sa,sap->p", occupancy[h], dynamics.transitions)
+    return occupancy
+
+
+def total_occupancies(dynamics: Dynamics, policies: IntArray, steps: int | None = None) -> FloatArray:
+    r"""Expected visits :math:`\sum_{h \le steps} d_h(s)` of deterministic policies.
+
+    Args:
+        policies: (N, S) integers.
+        steps: how many of the H steps to sum; all of them by default.
+
+    Returns:
+        (N, S) array; rows sum to ``steps``.
+    """
+    steps = dynamics.horizon if steps is None else steps
+    totals = np.empty(policies.shape)
+    for where, block in blocks(policies, dynamics.n_states, dynamics.n_actions):
+        totals[where] = state_occupancies(dynamics, block)[:, :steps].sum(axis=1)
+    return totals
+
+
+def visit_probabilities(dynamics: Dynamics, policies: IntArray) -> FloatArray:
+    """Probability that a trajectory visits each state at least once, (N, S), for deterministic policies (N, S)."""
+    result = np.empty(policies.shape)
+    n_states = dynamics.n_states
+    for where, block in blocks(policies, n_states, dynamics.n_actions):
+        kernels = dynamics.transitions[np.arange(n_states), block]
+        # avoiding[n, g, s]: probability of being in s now without having met the target g so far
+        avoiding = np.broadcast_to(dynamics.initial, (len(block), n_states, n_states)).copy()
+        met = np.zeros((len(block), n_states))
+        targets = np.arange(n_states)
+        for h in range(dynamics.horizon):
+            if h:
+                avoiding = avoiding @ kernels
+            met += avoiding[:, targets, targets]
+            avoiding[:, targets, targets] = 0
+        result[where] = met
+    return result

@@ -1,0 +1,1 @@
+"""The offline stage: behavioural cloning, the transition estimate, and the ball of policies around the clone."""

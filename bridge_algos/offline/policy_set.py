@@ -1,0 +1,102 @@
+r"""The offline confidence set: deterministic stationary policies in a Hellinger ball around the clone.
+
+.. math:: \Pi^{off} = \{\pi : \sqrt{H^2(P^\pi_{\hat P}, P^{BC}_{\hat P})} \le radius\}   (thm:tabular_confidence_set)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from bridge_algos.hellinger import disagreement_probability
+from bridge_algos.mdp import Dynamics, FloatArray, IntArray
+from bridge_algos.offline.ball_cubes import ROUNDING_SLACK, Cubes, ball_cubes
+from bridge_algos.policies import random_policies
+from bridge_theory.errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class PolicySet:
+    """The ball of a radius around a deterministic centre under given dynamics.
+
+    Args:
+        dynamics: the estimate P-hat (or the known P*), with d_0 and H.
+        center: (S,) deterministic policy, usually the clone.
+        radius: at least 0 on the scale of H = sqrt(H^2); 1 or more is the set of all policies.
+    """
+
+    dynamics: Dynamics
+    center: IntArray
+    radius: float
+
+    def __post_init__(self) -> None:
+        if not self.radius >= 0:
+            raise InputError(f"the radius is {self.radius}, expected a number of at least 0 (1 keeps every policy).")
+
+    def distances(self, policies: IntArray) -> FloatArray:
+        """Hellinger distances H (not squared) of policies (N, S) to the centre, (N,)."""
+        disagree = (policies != self.center).astype(np.float64)
+        return np.sqrt(disagreement_probability(self.dynamics, self.center, disagree))
+
+    def contains(self, policies: IntArray) -> np.ndarray:
+        """Which of the policies (N, S), or whether the one policy (S,), lies in the set; booleans (N,) or ()."""
+        batch = np.atleast_2d(policies)
+        disagree = (batch != self.center).astype(np.float64)
+        inside = disagreement_probability(self.dynamics, self.center, disagree) <= self.radius**2 + ROUNDING_SLACK
+        return inside if policies.ndim == 2 else inside[0]
+
+    @cached_property
+    def cubes(self) -> Cubes:
+        """The set as disjoint cubes; see :func:`bridge_algos.offline.ball_cubes.ball_cubes`."""
+        return ball_cubes(self.dynamics, self.center, min(self.radius, 1.0) ** 2)
+
+    def count(self) -> int:
+        """The exact number of policies in the set, out of A^S, as a Python integer."""
+        return sum(self.cubes.sizes())
+
+    def enumerate(self, limit: int = 100_000) -> IntArray:
+        """Every policy of the set, (count, S); InputError when there are more than ``limit``."""
+        count = self.count()
+        if count > limit:
+            raise InputError(
+                f"the set has {count:,} policies, above the limit of {limit:,}; use sample() or raise the limit."
+            )
+        return np.concatenate([self._cube(i) for i in range(len(self.cubes.disagree))])
+
+    def sample(self, n: int, rng: np.random.Generator) -> IntArray:
+        """n independent policies, uniform over the set, (n, S)."""
+        sizes = self.cubes.sizes()
+        total = sum(sizes)
+        shares = np.array([size / total for size in sizes])
+        chosen = rng.choice(len(sizes), size=n, p=shares / shares.sum())
+        disagree, free = self.cubes.disagree[chosen], self.cubes.free[chosen]
+        n_actions = self.dynamics.n_actions
+        anything = rng.integers(n_actions, size=disagree.shape)
+        shift = rng.integers(1, max(n_actions, 2), size=disagree.shape)
+        other = (self.center + shift) % n_actions
+        return np.where(free, anything, np.where(disagree, other, self.center))
+
+    def rejection_sample(self, proposals: int, rng: np.random.Generator) -> IntArray:
+        """Those of ``proposals`` uniform random policies that lie in the set, without repetitions (the paper's way).
+
+        When none does, the set is the centre alone: a learner needs at least one policy.
+        """
+        candidates = random_policies(proposals, self.dynamics.n_states, self.dynamics.n_actions, rng)
+        kept = candidates[self.contains(candidates)]
+        return np.unique(kept, axis=0) if len(kept) else self.center[None].copy()
+
+    def _cube(self, index: int) -> IntArray:
+        n_actions = self.dynamics.n_actions
+        choices = [
+            np.arange(n_actions)
+            if free
+            else np.delete(np.arange(n_actions), center)
+            if disagree
+            else np.array([center])
+            for free, disagree, center in zip(
+                self.cubes.free[index], self.cubes.disagree[index], self.center, strict=True
+            )
+        ]
+        return np.stack(np.meshgrid(*choices, indexing="ij"), axis=-1).reshape(-1, len(choices))

@@ -164,14 +164,25 @@ def expected_features(
     return features, costs
 
 
+@dataclass(frozen=True, eq=False)
+class SampledFeatures:
+    """Monte-Carlo features (N, d) with standard errors (N, d), and the mean step costs (N,) of the same rollouts."""
+
+    means: FloatArray
+    standard_errors: FloatArray
+    costs: FloatArray
+
+
 def sampled_features(
     dynamics: Dynamics,
     policies: IntArray,
     embedding: Embedding | SampledEmbedding,
     rollouts: int,
     rng: np.random.Generator,
-) -> tuple[FloatArray, FloatArray]:
-    """Monte-Carlo features (N, d) of policies and their standard errors (N, d), from ``rollouts`` trajectories each.
+    step_costs: FloatArray | None = None,
+    steps: int = 0,
+) -> SampledFeatures:
+    """Features and step costs of policies (N, S), estimated from ``rollouts`` trajectories each.
 
     The paper's way (100 rollouts a policy); kept to measure what exactness buys, and for embeddings that are not
     linear in the occupancy.
@@ -179,8 +190,11 @@ def sampled_features(
     if rollouts < 2:
         raise InputError(f"rollouts is {rollouts}, expected at least 2, so that a standard error exists.")
     means, errors = (np.empty((len(policies), embedding.dimension)) for _ in range(2))
+    costs = np.zeros(len(policies))
     for i, policy in enumerate(policies):
         states, actions, _ = sample_paths(dynamics, policy, rollouts, rng)
         sample = embedding.of_trajectories(Trajectories(states, actions))
         means[i], errors[i] = sample.mean(axis=0), sample.std(axis=0, ddof=1) / sqrt(rollouts)
-    return means, errors
+        if step_costs is not None:
+            costs[i] = step_costs[states[:, :steps], actions[:, :steps]].sum() / rollouts
+    return SampledFeatures(means, errors, costs)

@@ -1,0 +1,166 @@
+r"""How wide the online confidence set is: multiplier gamma_t, bonuses, data matrix.
+
+Three versions, each a :class:`Confidence`:
+
+- :func:`fixed`: hand-set numbers, as in the published runs;
+- :func:`stated`: the paper's formulas to the letter (appendix "Online Estimation"), with the bonus 2 eta where they are
+  undefined (a pair seen at most once: log log N);
+- :func:`repaired`: audit R1, R2, R6: multiplier from the observed data matrix and the solver's own error, L1 bonus.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+import bridge_theory as theory
+from bridge_algos.mdp import Dynamics, FloatArray, IntArray
+from bridge_algos.occupancy import total_occupancies
+from bridge_theory.errors import InputError
+
+ROUNDING = 1 + 1e-9
+"""Factor on the certified multipliers that covers the rounding of double arithmetic."""
+
+
+@dataclass(frozen=True, eq=False)
+class RoundState:
+    """What a multiplier may depend on at the start of round t."""
+
+    t: int
+    matrix: FloatArray
+    solver_error: float
+    played_visits: list[FloatArray]
+    counts_then: list[IntArray]
+
+
+@dataclass(frozen=True, eq=False)
+class Confidence:
+    """One version of the online confidence set.
+
+    Args:
+        name: fixed, stated or repaired.
+        multiplier: gamma_t from the state of the round.
+        step_bonus: maps pair counts N(s, a) (S, A) to bonuses per step (S, A); a policy's bonus is their
+            expectation over its first ``bonus_steps`` steps, at most ``bonus_cap``.
+        matrix: which differences enter the data matrix, the ``"observed"`` ones of trajectories or the ``"expected"``
+            ones of policies.
+        initial_scale: the matrix starts as this multiple of the identity.
+        needs_history: whether the multiplier needs the occupancies and counts of the pairs played so far.
+    """
+
+    name: str
+    multiplier: Callable[[RoundState], float]
+    step_bonus: Callable[[IntArray], FloatArray]
+    bonus_steps: int
+    bonus_cap: float
+    matrix: Literal["observed", "expected"]
+    initial_scale: float
+    needs_history: bool = False
+
+
+def fixed(gamma: float, bonus_multiplier: float, n_states: int, n_actions: int, horizon: int, lam: float) -> Confidence:
+    r"""Hand-set numbers: gamma_t constant, bonus :math:`c \min(\log SA, \sqrt{\log(SA) / N})` a step, c the multiplier.
+
+    The data matrix starts as lambda I (algo:main line 3) and takes in the expected differences (line 9).
+    """
+    for name, value in (("gamma", gamma), ("bonus multiplier", bonus_multiplier)):
+        if not value >= 0:
+            raise InputError(f"the {name} is {value}, expected a number of at least 0.")
+    log_pairs = float(np.log(n_states * n_actions))
+
+    def step_bonus(counts: IntArray) -> FloatArray:
+        rooted = np.sqrt(log_pairs / np.maximum(counts, 1))
+        return np.asarray(bonus_multiplier * np.where(counts > 0, np.minimum(log_pairs, rooted), log_pairs))
+
+    return Confidence("fixed", lambda _: gamma, step_bonus, horizon, np.inf, "expected", lam)
+
+
+def stated(
+    embedding_bound: float,
+    weight_bound: float,
+    dimension: int,
+    n_states: int,
+    n_actions: int,
+    horizon: int,
+    rounds: int,
+    lam: float,
+    delta: float,
+    known: bool,
+) -> Confidence:
+    """The paper's gamma_t and bonus (known dynamics: section "Online Learning with Known Dynamics")."""
+    size = {"S": n_states, "A": n_actions, "H": horizon}
+    model = {"B": embedding_bound, "W": weight_bound, "d": dimension, "lam": lam, "delta": delta}
+    eta = 2 * weight_bound * embedding_bound
+    kappa = float(theory.kappa.estimate(B=embedding_bound, W=weight_bound))
+
+    def bonus(counts: IntArray, failure: float) -> FloatArray:
+        defined = np.asarray(theory.xi.estimate(N=np.maximum(counts, 2), eta=eta, delta=failure, **size))
+        return np.where(counts >= 2, defined, 2 * eta)
+
+    def known_multiplier(state: RoundState) -> float:
+        return float(theory.gamma_known.estimate(t=state.t, T=rounds, **model))
+
+    def unknown_multiplier(state: RoundState) -> float:
+        grid = 1 + 4 * weight_bound * (state.t**2 * kappa * lam + 4 * embedding_bound**2 * state.t**3)
+        squares = 0.0
+        for age, (visits, counts) in enumerate(zip(state.played_visits, state.counts_then, strict=True), start=1):
+            failure = delta / grid**dimension / (8 * age**3 * n_actions**n_states)
+            squares += float(((visits * bonus(counts, failure)).sum(axis=(1, 2)) ** 2).sum())
+        return float(theory.gamma_unknown.estimate(t=state.t, T=rounds, bonus_square_sum=squares, **model))
+
+    def step_bonus(counts: IntArray) -> FloatArray:
+        return bonus(counts, delta / (2 * n_actions**n_states))
+
+    return Confidence(
+        "stated",
+        known_multiplier if known else unknown_multiplier,
+        step_bonus,
+        horizon,
+        np.inf,
+        "expected",
+        kappa * lam,
+        needs_history=not known,
+    )
+
+
+def repaired(
+    embedding_bound: float,
+    weight_bound: float,
+    dimension: int,
+    n_states: int,
+    n_actions: int,
+    horizon: int,
+    lam: float,
+    delta_w: float,
+    delta_p: float,
+) -> Confidence:
+    r"""Audit R1 and R6: :math:`\rho_t = \kappa (\beta_t + e_t)` with the observed matrix, and the L1 bonus.
+
+    Spends delta_w on the weights and, for unknown dynamics, delta_p on the transitions; both hold for all rounds at
+    once, whatever K.
+    """
+    kappa = float(theory.kappa_differences.estimate(B=embedding_bound, W=weight_bound))
+    scale = kappa * lam
+
+    def multiplier(state: RoundState) -> float:
+        log_det_ratio = float(np.linalg.slogdet(state.matrix)[1]) - dimension * np.log(scale)
+        beta = theory.beta_repaired_logdet.estimate(
+            B=embedding_bound, W=weight_bound, lam=lam, delta_w=delta_w, log_det_ratio=max(log_det_ratio, 0.0)
+        )
+        return float(kappa * (beta + state.solver_error)) * ROUNDING
+
+    eta = embedding_bound * weight_bound
+
+    def step_bonus(counts: IntArray) -> FloatArray:
+        size = {"S": n_states, "A": n_actions, "delta_P": delta_p}
+        return np.asarray(eta * theory.bonus_radius.estimate(N=counts, **size)) * ROUNDING
+
+    return Confidence("repaired", multiplier, step_bonus, horizon - 1, 2 * eta, "observed", scale)
+
+
+def pair_visits(dynamics: Dynamics, pair: IntArray) -> FloatArray:
+    """Expected visits of two deterministic policies (2, S) to every pair over H steps, (2, S, A)."""
+    return np.asarray(total_occupancies(dynamics, pair)[:, :, None] * np.eye(dynamics.n_actions)[pair])

@@ -1,0 +1,236 @@
+r"""The online loop: one for BRIDGE, BRIDGE with known dynamics, and PbRL, which are settings of it.
+
+A round t asks about the pair that the confidence set Pi_t and the pair rule give, rolls both policies out in the real
+environment (algo:main line 8 prints the estimated one, with which the regret can be linear: audit 4.7), and learns from
+the answer. What is recorded for round t is the pair's pseudo-regret and, as in the paper's figures, the suboptimality
+of the policy that is greedy after the round's answer.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from bridge_algos.embeddings import Embedding, SampledEmbedding, expected_features, sampled_features
+from bridge_algos.evaluation import expected_returns
+from bridge_algos.mdp import Dynamics, FloatArray, IntArray, TabularMDP
+from bridge_algos.offline.transitions import EmptyRow, estimate_transitions, transition_counts
+from bridge_algos.online.confidence import Confidence, RoundState, pair_visits
+from bridge_algos.online.oracles import Oracle
+from bridge_algos.online.pair_rules import PairRule, choose_pair
+from bridge_algos.online.policy_filter import surviving, whiten
+from bridge_algos.online.preference_model import fit_adam, fit_exact, project, projection_error
+from bridge_algos.trajectories import sample_trajectories
+
+
+@dataclass(frozen=True, eq=False)
+class OnlineProblem:
+    """What the loop needs to know about the world and its yardsticks.
+
+    Args:
+        mdp: the real environment.
+        embedding: phi.
+        oracle: who answers.
+        optimum: (S,) the policy that regret is measured against in the theory, argmax of the expected return.
+        expert_return: the expert's expected return, the yardstick of the paper's figures.
+        w_star: (d,) true weights, or None where the preferences are not linear in phi.
+    """
+
+    mdp: TabularMDP
+    embedding: Embedding | SampledEmbedding
+    oracle: Oracle
+    optimum: IntArray
+    expert_return: float
+    w_star: FloatArray | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Learner:
+    """One algorithm as a setting of the loop.
+
+    Args:
+        name: bridge, bridge-known or pbrl.
+        policies: (N, S) candidate policies: the offline set, or PbRL's search space.
+        counts: (S, A, S) transition counts to start from; None where the dynamics are known.
+        confidence: multiplier gamma_t, bonuses and data matrix; see :mod:`bridge_algos.online.confidence`.
+        pair_rule: how the pair is chosen.
+        weight_bound: W, the radius of the ball on which w is projected.
+        slope: c of the fitted model sigma(c <x, w>).
+        lam: lambda of the regularised likelihood.
+        comparisons: K, how many pairs of trajectories are compared in a round.
+        fit: ``"exact"`` optimum, or the published runs' ten ``"adam"`` steps from a normalised vector of ones.
+        rollouts: None for exact features, or the number of rollouts a policy.
+        empty_row: what the transition estimate does without data.
+    """
+
+    name: str
+    policies: IntArray
+    counts: IntArray | None
+    confidence: Confidence
+    pair_rule: PairRule
+    weight_bound: float
+    slope: float = 1.0
+    lam: float = 1.0
+    comparisons: int = 1
+    fit: str = "exact"
+    rollouts: int | None = None
+    empty_row: EmptyRow = "self_loop"
+
+
+@dataclass
+class _Memory:
+    """What the learner has seen: grows by one entry a round."""
+
+    x: FloatArray
+    outcomes: FloatArray
+    counts: IntArray | None
+    matrix: FloatArray
+    played_visits: list[FloatArray] = field(default_factory=list)
+    counts_then: list[IntArray] = field(default_factory=list)
+
+
+@dataclass(frozen=True, eq=False)
+class _View:
+    """What the learner makes of its memory at the start of a round."""
+
+    dynamics: Dynamics
+    features: FloatArray
+    bonus: FloatArray
+    w: FloatArray
+    error: float
+
+
+RECORDED = (
+    "pseudo_regret",
+    "suboptimality",
+    "set_size",
+    "optimum_kept",
+    "weight_error",
+    "uncertainty",
+    "bonus_sum",
+    "gamma",
+    "log_det",
+    "seconds",
+)
+"""Names of the per-round records, in this order in every result."""
+
+
+def run_online(
+    problem: OnlineProblem, learner: Learner, rounds: int, rng: np.random.Generator
+) -> dict[str, FloatArray]:
+    """Play ``rounds`` rounds and return one array (rounds,) per name in ``RECORDED``.
+
+    Regrets are exact under the real dynamics and never clipped; ``pseudo_regret`` is that of the round's pair against
+    ``problem.optimum``, ``suboptimality`` that of the greedy policy after the round against the expert.
+    """
+    returns = expected_returns(problem.mdp, learner.policies)
+    best = float(expected_returns(problem.mdp, problem.optimum[None])[0])
+    policies = np.concatenate([learner.policies, problem.optimum[None]])
+    memory = _start(problem, learner)
+    view = _look(problem, learner, memory, policies, None, rng)
+    record = {name: np.full(rounds, np.nan) for name in RECORDED}
+    for t in range(1, rounds + 1):
+        clock = time.perf_counter()
+        state = RoundState(t, memory.matrix, view.error, memory.played_visits, memory.counts_then)
+        gamma = learner.confidence.multiplier(state)
+        z = whiten(view.features, memory.matrix)
+        scores = view.features @ view.w
+        upper, lower = scores + view.bonus, scores - view.bonus
+        keeps = surviving(upper, lower[:-1], z, gamma, z[:-1])
+        kept, optimum_kept = keeps[:-1], bool(keeps[-1])
+        first, second = choose_pair(learner.pair_rule, kept, scores[:-1], z[:-1], gamma, view.bonus[:-1], rng)
+        norm = float(np.linalg.norm(z[first] - z[second]))
+        log_det = float(np.linalg.slogdet(memory.matrix)[1])
+        _play(problem, learner, memory, view, (first, second), rng)
+        view = _look(problem, learner, memory, policies, view, rng)
+        greedy = int((view.features[:-1] @ view.w).argmax())
+        values = {
+            "pseudo_regret": best - (returns[first] + returns[second]) / 2,
+            "suboptimality": problem.expert_return - returns[greedy],
+            "set_size": kept.sum(),
+            "optimum_kept": optimum_kept,
+            "weight_error": np.nan if problem.w_star is None else np.linalg.norm(view.w - problem.w_star),
+            "uncertainty": norm,
+            "bonus_sum": view.bonus[first] + view.bonus[second],
+            "gamma": gamma,
+            "log_det": log_det,
+            "seconds": time.perf_counter() - clock,
+        }
+        for name, value in values.items():
+            record[name][t - 1] = value
+    return record
+
+
+def _start(problem: OnlineProblem, learner: Learner) -> _Memory:
+    d = problem.embedding.dimension
+    matrix = learner.confidence.initial_scale * np.eye(d)
+    counts = None if learner.counts is None else learner.counts.copy()
+    return _Memory(np.empty((0, d)), np.empty(0), counts, matrix)
+
+
+def _look(
+    problem: OnlineProblem,
+    learner: Learner,
+    memory: _Memory,
+    policies: IntArray,
+    previous: _View | None,
+    rng: np.random.Generator,
+) -> _View:
+    """Dynamics, features, bonuses and weights as the data so far have them."""
+    w, error = _fit(learner, memory)
+    exact = learner.rollouts is None
+    if previous is not None and exact and memory.counts is None:
+        return replace(previous, w=w, error=error)
+    dynamics = problem.mdp.dynamics
+    costs = None
+    if memory.counts is not None:
+        dynamics = dynamics.under(estimate_transitions(memory.counts, learner.empty_row))
+        costs = learner.confidence.step_bonus(memory.counts.sum(axis=2))
+    steps = learner.confidence.bonus_steps
+    if learner.rollouts is None:
+        features, bonus = expected_features(dynamics, policies, problem.embedding, costs, steps)
+    else:
+        sample = sampled_features(dynamics, policies, problem.embedding, learner.rollouts, rng, costs, steps)
+        features, bonus = sample.means, sample.costs
+    return _View(dynamics, features, np.minimum(bonus, learner.confidence.bonus_cap), w, error)
+
+
+def _fit(learner: Learner, memory: _Memory) -> tuple[FloatArray, float]:
+    d = memory.x.shape[1]
+    if not len(memory.x):
+        return np.zeros(d), 0.0
+    ones = np.full(d, d**-0.5)
+    fit = fit_adam if learner.fit == "adam" else fit_exact
+    estimate = fit(memory.x, memory.outcomes, learner.lam, ones)
+    w = project(estimate, memory.x, learner.lam, memory.matrix, learner.weight_bound)
+    return w, projection_error(w, memory.x, memory.outcomes, learner.lam, memory.matrix)
+
+
+def _play(
+    problem: OnlineProblem,
+    learner: Learner,
+    memory: _Memory,
+    view: _View,
+    pair: tuple[int, int],
+    rng: np.random.Generator,
+) -> None:
+    """Roll the pair out in the real environment, ask, and remember."""
+    mdp, k = problem.mdp, learner.comparisons
+    one, two = (sample_trajectories(mdp, learner.policies[i], k, rng) for i in pair)
+    outcomes = problem.oracle(one, two, rng)
+    answered = ~np.isnan(outcomes)
+    difference = (problem.embedding.of_trajectories(one) - problem.embedding.of_trajectories(two))[answered]
+    memory.x = np.concatenate([memory.x, learner.slope * difference])
+    memory.outcomes = np.concatenate([memory.outcomes, outcomes[answered]])
+    if learner.confidence.matrix == "observed":
+        memory.matrix = memory.matrix + difference.T @ difference
+    else:
+        expected = view.features[pair[0]] - view.features[pair[1]]
+        memory.matrix = memory.matrix + np.outer(expected, expected)
+    if memory.counts is not None:
+        if learner.confidence.needs_history:
+            memory.counts_then.append(memory.counts.sum(axis=2))
+            memory.played_visits.append(pair_visits(view.dynamics, learner.policies[list(pair)]))
+        memory.counts = memory.counts + sum(transition_counts(t, mdp.n_states, mdp.n_actions) for t in (one, two))

@@ -1,0 +1,49 @@
+"""Which two policies to compare next, chosen from the confidence set Pi_t."""
+
+from __future__ import annotations
+
+from typing import Literal, get_args
+
+import numpy as np
+
+from bridge_algos.mdp import FloatArray
+from bridge_algos.online.policy_filter import widest_pair
+from bridge_theory.errors import InputError
+
+PairRule = Literal["uncertainty_and_bonus", "max_uncertainty", "ucb", "greedy_vs_random"]
+
+
+def choose_pair(
+    rule: PairRule,
+    kept: np.ndarray,
+    scores: FloatArray,
+    z: FloatArray,
+    gamma: float,
+    bonus: FloatArray,
+    rng: np.random.Generator,
+) -> tuple[int, int]:
+    """Indices of the two policies to play.
+
+    Args:
+        rule: ``"uncertainty_and_bonus"`` maximises gamma ||z_i - z_j|| + b_i + b_j (algo:main line 7);
+            ``"max_uncertainty"`` maximises ||z_i - z_j|| (algo:main_known); ``"ucb"`` plays the greedy policy against
+            the one with the largest optimistic advantage over it; ``"greedy_vs_random"`` plays it against a uniform one.
+        kept: (N,) booleans, Pi_t; at least one is true.
+        scores, z, bonus: (N,), (N, d), (N,) of all candidates.
+        gamma: multiplier of the norm.
+        rng: used by ``"greedy_vs_random"`` alone.
+    """
+    members = np.flatnonzero(kept)
+    s, points, b = scores[members], z[members], bonus[members]
+    greedy = int(s.argmax())
+    if rule == "uncertainty_and_bonus":
+        first, second = widest_pair(points, gamma, b)
+    elif rule == "max_uncertainty":
+        first, second = widest_pair(points, 1.0, np.zeros(len(b)))
+    elif rule == "ucb":
+        first, second = greedy, int((s + gamma * np.linalg.norm(points - points[greedy], axis=1) + b).argmax())
+    elif rule == "greedy_vs_random":
+        first, second = greedy, int(rng.integers(len(members)))
+    else:
+        raise InputError(f"unknown pair rule {rule!r}; expected one of {', '.join(get_args(PairRule))}.")
+    return int(members[first]), int(members[second])

@@ -1,0 +1,85 @@
+r"""The online confidence set Pi_t and the pair to ask about, exactly over all pairs but without forming them all.
+
+With whitened features z (so that :math:`\|\phi - \phi'\|_{V^{-1}} = \|z - z'\|`), scores :math:`s = \phi^T w` and
+bonuses b, the set is (lem:online_confidence_set)
+
+.. math:: \Pi_t = \{i : \forall j: s_i - s_j + \gamma \|z_i - z_j\| + b_i + b_j \ge 0\} .
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.linalg
+
+from bridge_algos.mdp import FloatArray
+
+TILE = 256
+
+
+def whiten(features: FloatArray, matrix: FloatArray) -> FloatArray:
+    """Rows z with ||z_i - z_j||_2 = ||phi_i - phi_j||_{V^{-1}}."""
+    root = scipy.linalg.cholesky(matrix, lower=True)
+    return np.asarray(scipy.linalg.solve_triangular(root, features.T, lower=True).T)
+
+
+def surviving(
+    upper: FloatArray, lower: FloatArray, z: FloatArray, gamma: float, challengers: FloatArray | None = None
+) -> np.ndarray:
+    """Which policies no challenger beats: no j with lower_j > upper_i + gamma ||z_i - z_j||.
+
+    Challengers come in falling order of ``lower``; a policy whose ``upper`` reaches the best remaining ``lower``
+    is safe from all that follow, whatever the distances, so that most policies meet only a few tiles.
+
+    Args:
+        upper: (N,) scores plus bonus, s + b.
+        lower: (M,) scores minus bonus of the challengers, s - b.
+        z: (N, d) whitened features.
+        gamma: multiplier of the norm, at least 0.
+        challengers: (M, d) whitened features of the challengers; the policies themselves by default.
+
+    Returns:
+        (N,) booleans.
+    """
+    others = z if challengers is None else challengers
+    order = np.argsort(-lower, kind="stable")
+    kept = np.ones(len(z), dtype=bool)
+    open_ = np.arange(len(z))
+    for start in range(0, len(order), TILE):
+        tile = order[start : start + TILE]
+        open_ = open_[kept[open_] & (upper[open_] < lower[tile[0]])]
+        if not len(open_):
+            break
+        for part in (open_[i : i + 4 * TILE] for i in range(0, len(open_), 4 * TILE)):
+            needed = lower[tile] - upper[part, None]
+            kept[part[(needed > gamma * _distances(z[part], others[tile])).any(axis=1)]] = False
+    return kept
+
+
+def widest_pair(z: FloatArray, gamma: float, bonus: FloatArray) -> tuple[int, int]:
+    r"""The pair maximising :math:`\gamma \|z_i - z_j\| + b_i + b_j` (algo:main line 7), exactly.
+
+    A triangle inequality through the mean bounds each pair by u_i + u_j with u = gamma ||z - mean|| + b; tiles of the
+    order by falling u are skipped once that bound cannot beat the best pair found.
+    """
+    reach = gamma * np.linalg.norm(z - z.mean(axis=0), axis=1) + bonus
+    order = np.argsort(-reach, kind="stable")
+    best, pair = -np.inf, (int(order[0]), int(order[0]))
+    slack = 1e-9 * (1 + float(np.abs(reach).max()))
+    for start in range(0, len(order), TILE):
+        rows = order[start : start + TILE]
+        if reach[rows[0]] + reach[order[0]] + slack < best:
+            break
+        for other in range(0, start + 1, TILE):
+            columns = order[other : other + TILE]
+            if reach[rows[0]] + reach[columns[0]] + slack < best:
+                break
+            values = gamma * _distances(z[rows], z[columns]) + bonus[rows, None] + bonus[columns]
+            i, j = np.unravel_index(int(values.argmax()), values.shape)
+            if values[i, j] > best:
+                best, pair = float(values[i, j]), (int(columns[j]), int(rows[i]))
+    return pair
+
+
+def _distances(a: FloatArray, b: FloatArray) -> FloatArray:
+    squared = (a**2).sum(axis=1)[:, None] + (b**2).sum(axis=1) - 2 * (a @ b.T)
+    return np.asarray(np.sqrt(np.maximum(squared, 0)))

@@ -12,8 +12,11 @@ state_counts       sum_h s_h                              S             H
 final_state        s_H                                    S             1
 =================  =====================================  ============  ============
 
-All four are linear in the per-step occupancy, so their expectations are computed. A function of the whole trajectory
-can only be sampled; its estimate carries its Monte-Carlo error.
+and ``state_action_counts``, sum_h e_(s_h, a_h), with d = S A and B = H, in which every expected reward r(s, a) is
+linear, so that the Bradley-Terry model of the theory holds exactly.
+
+All are linear in the per-step occupancy, so their expectations are computed. A function of the whole trajectory can
+only be sampled; its estimate carries its Monte-Carlo error.
 """
 
 from __future__ import annotations
@@ -60,7 +63,7 @@ class SampledEmbedding:
 
 
 def make_embedding(name: str, n_states: int, n_actions: int, horizon: int) -> Embedding:
-    """One of the paper's four embeddings for S states, A actions and horizon H.
+    """A built-in embedding for S states, A actions and horizon H.
 
     >>> make_embedding("state_counts", 5, 4, 8).bound
     8.0
@@ -87,6 +90,15 @@ def make_embedding(name: str, n_states: int, n_actions: int, horizon: int) -> Em
     def long_of(t: Trajectories) -> FloatArray:
         return np.concatenate([states[t.states], actions[t.actions]], axis=2).reshape(len(t), -1)
 
+    def pairs(occupancy: FloatArray, policies: IntArray) -> FloatArray:
+        visits = occupancy.sum(axis=1)
+        return np.asarray((visits[:, :, None] * actions[policies]).reshape(len(policies), -1))
+
+    def pairs_of(t: Trajectories) -> FloatArray:
+        result = np.zeros((len(t), n_states * n_actions))
+        np.add.at(result, (np.arange(len(t))[:, None], t.states * n_actions + t.actions), 1)
+        return result
+
     known = {
         "identity_long": Embedding(
             "identity_long",
@@ -103,6 +115,9 @@ def make_embedding(name: str, n_states: int, n_actions: int, horizon: int) -> Em
         ),
         "final_state": Embedding(
             "final_state", n_states, 1.0, lambda occupancy, _: occupancy[:, -1], lambda t: states[t.states[:, -1]]
+        ),
+        "state_action_counts": Embedding(
+            "state_action_counts", n_states * n_actions, float(horizon), expectation=pairs, of_trajectories=pairs_of
         ),
     }
     if name not in known:

@@ -1,0 +1,1 @@
+"""Runs: a configuration in, labelled results on disk, tables and figures out."""

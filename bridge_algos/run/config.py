@@ -1,0 +1,192 @@
+"""What a run is: one immutable, validated description, saved with every result."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass, field, fields, replace
+from typing import Any, get_args
+
+from bridge_algos.offline.cloning import TieBreak
+from bridge_algos.offline.transitions import EmptyRow
+from bridge_algos.online.pair_rules import PairRule
+from bridge_theory.errors import InputError
+
+ALGORITHMS = ("bridge", "bridge-known", "pbrl", "bc")
+EXPERTS = ("discounted-lp", "finite-horizon-lp", "best-stationary")
+RADII = ("stated", "repaired", "zero")
+
+_CHOICES: dict[str, tuple[str, ...]] = {
+    "expert": EXPERTS,
+    "candidates": ("exact", "rejection"),
+    "confidence": ("fixed", "stated", "repaired"),
+    "oracle": ("returns", "bradley-terry"),
+    "fit": ("exact", "adam"),
+    "tie_break": get_args(TieBreak),
+    "empty_row": get_args(EmptyRow),
+    "pair_rule": get_args(PairRule),
+}
+_AT_LEAST = {
+    "rounds": 1,
+    "n_demonstrations": 1,
+    "comparisons": 1,
+    "proposals": 1,
+    "candidate_limit": 1,
+    "search_size": 1,
+    "gamma": 0,
+    "bonus_multiplier": 0,
+}
+_POSITIVE = ("slope", "lam")
+
+
+@dataclass(frozen=True)
+class RunConfig:
+    """Everything that decides the numbers of a run, except the seed.
+
+    Args:
+        environment, environment_options: what ``make_mdp`` takes.
+        algorithms: which of ``ALGORITHMS`` to run, on the same demonstrations.
+        expert: who demonstrates: ``"discounted-lp"`` (published runs), ``"finite-horizon-lp"``, ``"best-stationary"``.
+        discount: of the discounted LP.
+        n_demonstrations: n.
+        noise: probability that a recorded action is replaced by a random one.
+        tie_break: what the clone does in unvisited states.
+        empty_row: what the transition estimate does without data.
+        radius: of the offline set, a number or one of ``RADII``.
+        candidates: ``"exact"`` enumerates the offline set, or samples ``candidate_limit`` policies from it when it is
+            larger; ``"rejection"`` keeps those of ``proposals`` random policies that lie in it (the paper's way).
+        search_size: how many policies PbRL searches when there are too many to take all.
+        embedding: name of the embedding.
+        rounds, comparisons: T, and K trajectory pairs compared in a round.
+        pair_rule: see :func:`bridge_algos.online.pair_rules.choose_pair`.
+        confidence: ``"fixed"`` (then ``gamma`` and ``bonus_multiplier``), ``"stated"`` or ``"repaired"``.
+        oracle: ``"returns"`` with ``oracle_options`` of :class:`ReturnOracle`, or ``"bradley-terry"``.
+        weight_bound: W; None chooses W = 1 / B, which makes utilities differ by at most 2.
+        slope, lam, fit: of the preference model.
+        rollouts: None for exact features, or how many rollouts estimate those of a policy.
+        delta: failure probability of each certified event.
+    """
+
+    environment: str
+    environment_options: dict[str, Any] = field(default_factory=dict)
+    algorithms: tuple[str, ...] = ("bridge", "pbrl", "bc")
+    expert: str = "discounted-lp"
+    discount: float = 0.99
+    n_demonstrations: int = 10
+    noise: float = 0.0
+    tie_break: TieBreak = "random"
+    empty_row: EmptyRow = "uniform"
+    radius: float | str = 0.96
+    candidates: str = "exact"
+    proposals: int = 500_000
+    candidate_limit: int = 20_000
+    search_size: int = 1000
+    embedding: str = "state_counts"
+    rounds: int = 35
+    comparisons: int = 10
+    pair_rule: PairRule = "uncertainty_and_bonus"
+    confidence: str = "fixed"
+    gamma: float = 0.15
+    bonus_multiplier: float = 0.008
+    oracle: str = "returns"
+    oracle_options: dict[str, float] = field(default_factory=dict)
+    weight_bound: float | None = 1.0
+    slope: float = 10.0
+    lam: float = 1.0
+    fit: str = "adam"
+    rollouts: int | None = None
+    delta: float = 0.05
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "algorithms", tuple(self.algorithms))
+        unknown = [name for name in self.algorithms if name not in ALGORITHMS]
+        if unknown or not self.algorithms:
+            raise InputError(f"unknown algorithm {unknown or 'list, empty'}; expected some of {', '.join(ALGORITHMS)}.")
+        for name, choices in _CHOICES.items():
+            if getattr(self, name) not in choices:
+                raise InputError(f"{name} is {getattr(self, name)!r}, expected one of {', '.join(choices)}.")
+        for name, least in _AT_LEAST.items():
+            if not getattr(self, name) >= least:
+                raise InputError(f"{name} is {getattr(self, name)}, expected at least {least}.")
+        for name in _POSITIVE:
+            if not getattr(self, name) > 0:
+                raise InputError(f"{name} is {getattr(self, name)}, expected a positive number.")
+        if self.rollouts is not None and self.rollouts < 2:
+            raise InputError(f"rollouts is {self.rollouts}, expected at least 2, or none for exact features.")
+        if self.weight_bound is not None and not self.weight_bound > 0:
+            raise InputError(f"weight_bound is {self.weight_bound}, expected a positive number.")
+        for name, low, high in (("noise", 0, 1), ("discount", 0, 1), ("delta", 0, 1)):
+            value = getattr(self, name)
+            if not (low <= value <= high) or (name != "noise" and value in (low, high)):
+                raise InputError(f"{name} is {value}, expected a number between {low} and {high}.")
+        _check_radius(self.radius)
+
+    def to_json(self) -> str:
+        """A canonical JSON text: the same configuration gives the same text."""
+        return json.dumps(asdict(self), sort_keys=True)
+
+    @classmethod
+    def from_json(cls, text: str) -> RunConfig:
+        """The configuration that :meth:`to_json` wrote; InputError for anything else."""
+        try:
+            given = json.loads(text)
+            unknown = set(given) - {f.name for f in fields(cls)}
+        except (TypeError, ValueError) as error:
+            raise InputError(f"a run configuration is not readable JSON ({error}); save it again.") from None
+        if unknown:
+            raise InputError(f"a run configuration has unknown entries {sorted(unknown)}; is it from another version?")
+        return cls(**given)
+
+    def but(self, **changes: Any) -> RunConfig:
+        """The same configuration with some entries changed, validated again."""
+        return replace(self, **changes)
+
+
+def _check_radius(radius: float | str) -> None:
+    if isinstance(radius, str):
+        if radius not in RADII:
+            raise InputError(f"radius is {radius!r}, expected a number of at least 0 or one of {', '.join(RADII)}.")
+    elif not radius >= 0:
+        raise InputError(f"radius is {radius}, expected a number of at least 0 or one of {', '.join(RADII)}.")
+
+
+_STAR_PUBLISHED: dict[str, Any] = {
+    "n_demonstrations": 2,
+    "rounds": 25,
+    "embedding": "identity_short",
+    "radius": 0.9,
+    "gamma": 0.2,
+    "bonus_multiplier": 0.01,
+}
+_GRID_PUBLISHED: dict[str, Any] = {"candidates": "rejection"}
+_THEORY: dict[str, Any] = {
+    "expert": "best-stationary",
+    "oracle": "bradley-terry",
+    "embedding": "state_action_counts",
+    "confidence": "repaired",
+    "radius": "zero",
+    "candidates": "exact",
+    "empty_row": "self_loop",
+    "comparisons": 1,
+    "slope": 1.0,
+    "weight_bound": None,
+    "fit": "exact",
+}
+
+
+def preset(name: str, environment: str) -> RunConfig:
+    """A named configuration for an environment.
+
+    ``"published"`` are the settings of the authors' published runs (StarMDP, Gridworld; other environments take
+    Gridworld's). ``"theory"`` keeps their problem sizes and takes everything else from the theory: Bradley-Terry
+    answers, one a round, certified multipliers and bonuses, the sure offline set of radius zero.
+
+    >>> preset("published", "starmdp").radius
+    0.9
+    """
+    size = _STAR_PUBLISHED if environment.startswith("starmdp") else _GRID_PUBLISHED
+    if name == "published":
+        return RunConfig(environment, **size)
+    if name == "theory":
+        kept = {key: size[key] for key in ("n_demonstrations", "rounds") if key in size}
+        return RunConfig(environment, **kept, **_THEORY)
+    raise InputError(f"unknown preset {name!r}; expected 'published' or 'theory'.")

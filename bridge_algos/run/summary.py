@@ -1,0 +1,101 @@
+"""A run in numbers and words: means over seeds with 95 % intervals, and who was better than whom."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.stats
+import xarray as xr
+
+from bridge_algos.mdp import FloatArray
+
+
+@dataclass(frozen=True)
+class Mean:
+    """A mean over seeds with the half-width of its 95 % Student interval (infinite for one seed)."""
+
+    mean: float
+    half_width: float
+
+    def __str__(self) -> str:
+        return f"{self.mean:.2f} ± {self.half_width:.2f}"
+
+
+def mean_over_seeds(values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Mean and 95 % half-width over the first axis, whose entries are independent seeds."""
+    n = len(values)
+    mean = values.mean(axis=0)
+    if n < 2:
+        return mean, np.full_like(mean, np.inf)
+    return mean, scipy.stats.t.ppf(0.975, n - 1) * values.std(axis=0, ddof=1) / np.sqrt(n)
+
+
+def cumulative(results: xr.Dataset, variable: str, algorithm: str) -> FloatArray:
+    """Cumulative sum over rounds of a per-round record, (seed, round)."""
+    return np.asarray(results[variable].sel(algorithm=algorithm).transpose("seed", "round").cumsum("round"))
+
+
+def final(results: xr.Dataset, variable: str, algorithm: str) -> Mean:
+    """Cumulative record after the last round, mean and 95 % half-width over seeds."""
+    mean, half = mean_over_seeds(cumulative(results, variable, algorithm)[:, -1])
+    return Mean(float(mean), float(half))
+
+
+def difference(results: xr.Dataset, variable: str, first: str, second: str) -> Mean:
+    """Paired difference first - second of the final cumulative records: both ran on the same seeds."""
+    gap = cumulative(results, variable, first)[:, -1] - cumulative(results, variable, second)[:, -1]
+    mean, half = mean_over_seeds(gap)
+    return Mean(float(mean), float(half))
+
+
+def verdict(gap: Mean) -> str:
+    """Whether "first is below second" holds, as far as the interval tells."""
+    if gap.mean + gap.half_width < 0:
+        return "yes"
+    return "no" if gap.mean - gap.half_width > 0 else "not decided by these seeds"
+
+
+def table(results: xr.Dataset) -> str:
+    """The run as a text table: one row an algorithm, then the paper's comparisons."""
+    algorithms = [str(name) for name in results.algorithm.values]
+    rounds, seeds = results.sizes["round"], results.sizes["seed"]
+    header = f"{'algorithm':<14}{'cum. suboptimality':>22}{'cum. pseudo-regret':>22}{'last |Pi_t|':>18}{'ms/round':>10}"
+    lines = [f"{results.attrs['title']}, after {rounds} rounds (mean ± 95 % half-width over {seeds} seeds)", header]
+    for name in algorithms:
+        own = results.sel(algorithm=name)
+        size = Mean(*(float(v) for v in mean_over_seeds(np.asarray(own.set_size[:, -1]))))
+        milliseconds = 1e3 * float(own.seconds.median())
+        speed = f"{milliseconds:>10.2f}" if np.isfinite(milliseconds) else f"{'-':>10}"
+        lines.append(
+            f"{name:<14}{final(results, 'suboptimality', name)!s:>22}{final(results, 'pseudo_regret', name)!s:>22}"
+            f"{size!s:>18}{speed}"
+        )
+    lines += ["", *comparisons(results), *_offline_lines(results)]
+    return "\n".join(lines)
+
+
+def comparisons(results: xr.Dataset) -> list[str]:
+    """The paper's claim, one sentence a baseline: cumulative suboptimality of BRIDGE below the baseline's."""
+    algorithms = [str(name) for name in results.algorithm.values]
+    lines = []
+    for ours in (name for name in algorithms if name.startswith("bridge")):
+        for baseline in (name for name in algorithms if not name.startswith("bridge")):
+            gap = difference(results, "suboptimality", ours, baseline)
+            lines.append(f"{ours} below {baseline}? {verdict(gap)}: paired difference {gap}")
+    return lines
+
+
+def _offline_lines(results: xr.Dataset) -> list[str]:
+    def share(name: str) -> str:
+        return f"{100 * float(results[name].mean()):.0f} %"
+
+    lines = [
+        f"optimal policy in the offline set: {share('optimum_in_offline_set')} of seeds (radius "
+        f"{float(results.radius.mean()):.3g}, mean exact size {float(results.offline_set_count.mean()):.4g} policies)",
+    ]
+    lines += [
+        f"expert within the {name} radius ({float(results[f'radius_{name}'].mean()):.3g}): {share(f'expert_in_{name}')}"
+        for name in ("stated", "repaired", "zero")
+    ]
+    return [*lines, results.attrs["expert"]]

@@ -61,7 +61,7 @@ def chain(n_states: int = 5, slip: float = 0.2, horizon: int = 10) -> TabularMDP
     probability ``slip`` the other of the two happens. A uniformly random walker passes n - 1 states in a row with
     probability 2^{-(n-1)}.
 
-    Source: M. Strens, "A Bayesian framework for reinforcement learning", ICML 2000, figure 3 (n = 5, slip = 0.2).
+    Source: M. Strens, "A Bayesian framework for reinforcement learning", ICML 2000 (the problem "Chain", n = 5, slip 0.2).
 
     Args:
         n_states: n >= 2.

@@ -95,6 +95,12 @@ class TabularMDP:
             if len(given) != count:
                 raise InputError(f"{name} of {self.name!r} has {len(given)} entries, expected {count}, one for each.")
             object.__setattr__(self, name, given)
+        cells = sum(len(row) for row in self.layout)
+        if self.layout and (cells != self.n_states or len(set(map(len, self.layout))) != 1):
+            raise InputError(
+                f"layout of {self.name!r} has rows of {[len(row) for row in self.layout]} characters, expected a "
+                f"rectangle of {self.n_states}, one for each state."
+            )
 
     @property
     def n_states(self) -> int:

@@ -18,8 +18,8 @@ def garnet(n_states: int, n_actions: int, branching: int, rng: np.random.Generat
     Their probabilities are the gaps between branching - 1 sorted uniform points of [0, 1], i.e. uniform on the simplex.
     The rewards of the pairs (S, A) are independent and uniform on [0, 1); the first state is uniform.
 
-    Source: T. W. Archibald, K. I. M. McKinnon, L. C. Thomas, "On the generation of Markov decision processes", Journal of
-    the Operational Research Society 46 (1995) 354-361.
+    Source: T. W. Archibald, K. I. M. McKinnon, L. C. Thomas, "On the generation of Markov decision processes", Journal
+    of the Operational Research Society 46 (1995) 354-361.
 
     Args:
         n_states, n_actions: S >= 1 and A >= 1.
@@ -55,13 +55,13 @@ def garnet(n_states: int, n_actions: int, branching: int, rng: np.random.Generat
 
 
 def chain(n_states: int = 5, slip: float = 0.2, horizon: int = 10) -> TabularMDP:
-    r"""Hard exploration: n - 1 unpaid steps ``forward`` to the end of a chain, against a small sure pay for going ``back``.
+    r"""Hard exploration: n - 1 unpaid steps to the end of a chain, against a small sure pay for going back.
 
     ``forward`` moves one state on, at the end it stays and pays 10; ``back`` returns to the start and pays 2; with
     probability ``slip`` the other of the two happens. A uniformly random walker passes n - 1 states in a row with
     probability 2^{-(n-1)}.
 
-    Source: M. Strens, "A Bayesian framework for reinforcement learning", ICML 2000 (the problem "Chain", n = 5, slip 0.2).
+    Source: M. Strens, "A Bayesian framework for reinforcement learning", ICML 2000 (its "Chain": n = 5, slip 0.2).
 
     Args:
         n_states: n >= 2.
@@ -91,14 +91,12 @@ def chain(n_states: int = 5, slip: float = 0.2, horizon: int = 10) -> TabularMDP
     )
 
 
-def cliff(
-    n_rows: int = 3, n_columns: int = 5, slip: float = 0.1, fall: float = -20.0, horizon: int = 12
-) -> TabularMDP:
+def cliff(n_rows: int = 3, n_columns: int = 5, slip: float = 0.1, fall: float = -20.0, horizon: int = 12) -> TabularMDP:
     r"""A grid whose shortest way to the goal leads along a cliff: one wrong action costs more than the whole way.
 
     Start bottom left, goal bottom right, cliff cells between them. A move off the map stays in place; with probability
-    ``slip`` the move is replaced by one drawn uniformly from all four. Arriving in a cliff cell pays ``fall``, and every
-    action there leads back to the start; the goal is absorbing and pays 0; every other arrival pays -1.
+    ``slip`` the move is replaced by one drawn uniformly from all four. Arriving in a cliff cell pays ``fall``, and
+    every action there leads back to the start; the goal is absorbing and pays 0; every other arrival pays -1.
 
     Source: after example 6.6 of R. Sutton and A. Barto, "Reinforcement Learning: An Introduction" (2020), with the fall
     as a state of its own, so that the reward is a function of the state arrived at.

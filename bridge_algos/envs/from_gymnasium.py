@@ -32,9 +32,9 @@ def mdp_from_gymnasium(environment: Any, horizon: int | None = None) -> TabularM
       CliffWalking: falling off the cliff and bumping into the border of the start cell both end in the start cell).
     - After a terminating transition nothing is paid any more. The flag sits on the transition: a state that only
       terminating transitions enter becomes absorbing with reward 0, whatever its own rows in the table say. Where a
-      terminating transition leads to a state that the table also enters without terminating, or that an episode may start
-      in (Taxi: a passenger set down at the destination), it leads to one extra state ``end`` instead, the last one,
-      absorbing with reward 0.
+      terminating transition leads to a state that the table also enters without terminating, or that an episode may
+      start in (Taxi: a passenger set down at the destination), it leads to one extra state ``end`` instead, the last
+      one, absorbing with reward 0.
 
     Args:
         environment: an environment, or the id of a registered one.
@@ -101,15 +101,15 @@ def _opened(environment: Any) -> Any:
     try:
         return gymnasium.make(environment)
     except (gymnasium.error.Error, ImportError) as error:
-        raise InputError(f"Gymnasium cannot make {environment!r} ({error}); give the id of one that it knows.") from None
+        raise InputError(f"Gymnasium cannot make {environment!r} ({error}); give an id that it knows.") from None
 
 
 def _check_describes_everything(environment: Any) -> None:
     table = environment.unwrapped
     if not isinstance(getattr(table, "P", None), dict):
         raise InputError(
-            f"{table} has no transition table P[s][a] of (probability, next state, reward, terminated), so its exact MDP "
-            "is unknown; expected an environment such as FrozenLake-v1, CliffWalking-v1 or Taxi-v4."
+            f"{table} has no transition table P[s][a] of (probability, next state, reward, terminated), so its exact "
+            "MDP is unknown; expected an environment such as FrozenLake-v1, CliffWalking-v1 or Taxi-v4."
         )
     layer = environment
     while layer is not table:
@@ -149,14 +149,14 @@ def _outcomes(table: Any, n_states: int, n_actions: int) -> FloatArray:
         ).reshape(-1, 6)
     except (KeyError, IndexError, TypeError, ValueError) as error:
         raise InputError(
-            f"the transition table of {table} is not P[s][a] = [(probability, next state, reward, terminated), ...] for "
-            f"all {n_states} states and {n_actions} actions ({type(error).__name__}: {error})."
+            f"the transition table of {table} is not P[s][a] = [(probability, next state, reward, terminated), ...] "
+            f"for all {n_states} states and {n_actions} actions ({type(error).__name__}: {error})."
         ) from None
     bad = (rows[:, 3] < 0) | (rows[:, 3] >= n_states) | (rows[:, 3] % 1 != 0)
     if bad.any():
         state, action, _, target = rows[bad][0, :4]
         raise InputError(
-            f"P[{state:g}][{action:g}] of {table} leads to state {target:g}, expected whole numbers in 0..{n_states - 1}."
+            f"P[{state:g}][{action:g}] of {table} leads to state {target:g}, expected one of 0..{n_states - 1}."
         )
     if not (rows[:, 2] >= 0).all():
         state, action, p = rows[~(rows[:, 2] >= 0)][0, :3]

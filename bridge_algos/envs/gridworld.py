@@ -34,14 +34,14 @@ def gridworld(variant: str = "published") -> TabularMDP:
       probability mass for each action being distributed among other directions equally": with q(d | a) the law of the
       direction executed and D(s) the directions open in s,
 
-      .. math:: P(s + d \mid s, a) = q(d \mid a) + \frac{1}{|D(s)|} \sum_{d' \notin D(s)} q(d' \mid a), \quad d \in D(s).
+      .. math:: P(s + d \mid s, a) = q(d \mid a) + \frac{1}{|D(s)|} \sum_{d' \notin D(s)} q(d' \mid a), \; d \in D(s).
 
       A blocked agent therefore moves elsewhere; it never stays in place by bumping into something.
     - "Stay remains in the current state with probability 1": it cannot fail.
     - The "high-reward but unreachable state" is the cell in thick lines, row 2, column 1 (state 9). It is closed from
       both sides; nothing open remains to move to, so each action stays there with probability 1.
-    - "Negative-reward region in the top-right corner": states 2, 3, 6, 7, as drawn. The goal (state 15) does not end the
-      episode; each arrival there, by ``stay`` too, pays 10. Rewards are paid on arrival, as in the published runs.
+    - "Negative-reward region in the top-right corner": states 2, 3, 6, 7, as drawn. The goal (state 15) does not end
+      the episode; each arrival there, by ``stay`` too, pays 10. Rewards are paid on arrival, as in the published runs.
 
     Where ``"published"`` differs. Horizon, start, actions and goal agree; nothing else does:
 
@@ -91,7 +91,5 @@ def _text_transitions() -> FloatArray:
             kernel[state, :, state] = 1.0
             continue
         blocked_mass = executed[:, ~is_open].sum(axis=1, keepdims=True)
-        kernel[state, :n_directions, targets[state, is_open]] = (
-            executed[:, is_open] + blocked_mass / is_open.sum()
-        ).T
+        kernel[state, :n_directions, targets[state, is_open]] = (executed[:, is_open] + blocked_mass / is_open.sum()).T
     return kernel

@@ -18,8 +18,8 @@ from bridge_theory.errors import InputError
 class TabularEnv(gymnasium.Env):  # type: ignore[misc]
     """A Gymnasium environment with the law of a tabular MDP.
 
-    Observations and actions are whole numbers. An episode is truncated after H steps, never terminated: the horizon is a
-    limit of time, no property of a state. All randomness comes from the generator that ``reset(seed=...)`` seeds.
+    Observations and actions are whole numbers. An episode is truncated after H steps, never terminated: the horizon is
+    a limit of time, no property of a state. All randomness comes from the generator that ``reset(seed=...)`` seeds.
 
     Args:
         mdp: the MDP, or a name that :func:`bridge_algos.envs.registry.make_mdp` knows.
@@ -51,7 +51,9 @@ class TabularEnv(gymnasium.Env):  # type: ignore[misc]
         elif options:
             raise InputError(f"options {sorted(options)} belong to a name; the MDP {mdp.name!r} was given itself.")
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
-            raise InputError(f"render_mode is {render_mode!r}, expected one of {self.metadata['render_modes']} or None.")
+            raise InputError(
+                f"render_mode is {render_mode!r}, expected one of {self.metadata['render_modes']} or None."
+            )
         self.mdp = mdp
         self.render_mode = render_mode
         self.observation_space = Discrete(mdp.n_states)
@@ -69,8 +71,8 @@ class TabularEnv(gymnasium.Env):  # type: ignore[misc]
         return {
             state: {
                 action: [
-                    (float(kernel[state, action, target]), int(target), reward_of(mdp, state, action, int(target)), False)
-                    for target in np.flatnonzero(kernel[state, action])
+                    (float(kernel[state, action, target]), target, reward_of(mdp, state, action, target), False)
+                    for target in np.flatnonzero(kernel[state, action]).tolist()
                 ]
                 for action in range(mdp.n_actions)
             }

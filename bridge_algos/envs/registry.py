@@ -35,7 +35,8 @@ def make_mdp(name: str, **options: Any) -> TabularMDP:
     >>> make_mdp("frozen-lake")
     Traceback (most recent call last):
     bridge_theory.errors.InputError: there is no environment 'frozen-lake'; did you mean 'frozenlake'? The names are
-    chain, cliff, cliffwalking, frozenlake, frozenlake8x8, garnet, gridworld, gridworld-text, starmdp, starmdp-text, taxi.
+    chain, cliff, cliffwalking, frozenlake, frozenlake8x8, garnet, gridworld, gridworld-text, starmdp, starmdp-text,
+    taxi.
     """
     key = name.lower() if isinstance(name, str) else name
     if key not in _MAKERS:

@@ -28,20 +28,30 @@ def star_mdp(variant: str = "published") -> TabularMDP:
 
     Source: appendix "Environments" (figure and text) for ``"text"``; the authors' published runs for ``"published"``.
 
-    How the text is read. "Actions have a probability of 0.7 of success, with an agent being moved to a different, random
-    state with a probability of 0.3", and the caption's "one of the other states": the failure goes to one of the three
-    states that are neither the present one nor the arrow's head, with probability 0.1 each,
+    How the text is read. "Actions have a probability of 0.7 of success, with an agent being moved to a different,
+    random state with a probability of 0.3", and the caption's "one of the other states": the failure goes to one of the
+    three states that are neither the present one nor the arrow's head, with probability 0.1 each,
 
     .. math:: P(s' \mid s, a) = 0.7 \cdot 1[s' = f(s, a)] + 0.1 \cdot 1[s' \notin \{s, f(s, a)\}].
 
     "Taking an impossible action ... will result in not moving with probability 1": a pair without an arrow stays, and
     cannot fail. Rewards are paid on arrival, as in the published runs, so that the first state pays nothing.
 
-    Where ``"published"`` differs. Horizon, start, rewards and the 8 pairs with an arrow agree. The 12 impossible pairs do
-    not: there the agent stays with probability 0.7 only; one other state has probability 0 and the remaining three 0.1
-    each. The state left out is, for (right, left, up, down), in s_0: -, s_1, s_2, s_3; in s_2: s_4, -, s_4, s_3; in s_3:
-    s_2, s_1, -, s_4; in s_4: s_2, s_1, s_3, - (a dash marks the pair with an arrow). Hence in ``"text"`` an agent can
-    wait in s_4 and collect 10 in each step with certainty, in ``"published"`` only with probability 0.7.
+    Where ``"published"`` differs. Horizon, start, rewards and the 8 pairs with an arrow agree. The 12 impossible pairs
+    do not: there the agent stays with probability 0.7 only; one other state has probability 0 and the remaining three
+    0.1 each. The state left out is
+
+    ======  ======  ======  ======  ======
+    in      right   left    up      down
+    ======  ======  ======  ======  ======
+    s_0     arrow   s_1     s_2     s_3
+    s_2     s_4     arrow   s_4     s_3
+    s_3     s_2     s_1     arrow   s_4
+    s_4     s_2     s_1     s_3     arrow
+    ======  ======  ======  ======  ======
+
+    Hence in ``"text"`` an agent can wait in s_4 and collect 10 in each step with certainty, in ``"published"`` only
+    with probability 0.7.
 
     Raises:
         InputError: for another variant.

@@ -5,7 +5,7 @@ from __future__ import annotations
 NAMESPACE = "bridge_rl"
 """Also the name of the entry point in the group ``gymnasium.envs``, which Gymnasium takes for the namespace."""
 
-ENVIRONMENTS = {
+GYMNASIUM_NAMES = {
     "StarMDP-v0": "starmdp",
     "StarMDPText-v0": "starmdp-text",
     "Gridworld-v0": "gridworld",
@@ -25,7 +25,7 @@ def register_environments() -> tuple[str, ...]:
     from gymnasium.envs.registration import register, registry
 
     ids = []
-    for name, mdp in ENVIRONMENTS.items():
+    for name, mdp in GYMNASIUM_NAMES.items():
         identifier = f"{NAMESPACE}/{name}"
         if identifier not in registry:
             register(identifier, entry_point="bridge_algos.envs.gymnasium_env:TabularEnv", kwargs={"mdp": mdp})

@@ -22,7 +22,7 @@ def make_mdp(name: str, **options: Any) -> TabularMDP:
     """The tabular MDP of that name.
 
     Args:
-        name: one of :func:`mdp_names`, upper or lower case. ``starmdp`` and ``gridworld`` are the published variants,
+        name: a key of :data:`ENVIRONMENTS`, in any case. ``starmdp`` and ``gridworld`` are the published variants,
             ``starmdp-text`` and ``gridworld-text`` follow the paper's text.
         options: ``horizon`` for every name; and for the families their arguments: ``chain`` (n_states, slip), ``cliff``
             (n_rows, n_columns, slip, fall), ``garnet`` (n_states, n_actions, branching, seed).
@@ -38,22 +38,17 @@ def make_mdp(name: str, **options: Any) -> TabularMDP:
     chain, cliff, cliffwalking, frozenlake, frozenlake8x8, garnet, gridworld, gridworld-text, starmdp, starmdp-text,
     taxi.
     """
-    key = name.lower() if isinstance(name, str) else name
-    if key not in _MAKERS:
-        close = difflib.get_close_matches(str(key), _MAKERS, n=1)
+    key = str(name).lower()
+    if key not in ENVIRONMENTS:
+        close = difflib.get_close_matches(key, ENVIRONMENTS, n=1)
         guess = f" did you mean {close[0]!r}?" if close else ""
-        raise InputError(f"there is no environment {name!r};{guess} The names are {', '.join(mdp_names())}.")
-    maker = _MAKERS[key]
+        raise InputError(f"there is no environment {name!r};{guess} The names are {', '.join(sorted(ENVIRONMENTS))}.")
+    maker = ENVIRONMENTS[key]
     allowed = sorted(inspect.signature(maker).parameters)
     unknown = sorted(set(options) - set(allowed))
     if unknown:
         raise InputError(f"{key} has no option {unknown[0]!r}; its options are {', '.join(allowed)}.")
     return maker(**options)
-
-
-def mdp_names() -> tuple[str, ...]:
-    """The names that :func:`make_mdp` takes, in alphabetical order."""
-    return tuple(sorted(_MAKERS))
 
 
 def _fixed(mdp_of: Callable[[str], TabularMDP], variant: str) -> Callable[..., TabularMDP]:
@@ -72,14 +67,12 @@ def _from_gymnasium(identifier: str) -> Callable[..., TabularMDP]:
 
 
 def _garnet(n_states: int = 10, n_actions: int = 3, branching: int = 3, horizon: int = 10, seed: int = 0) -> TabularMDP:
-    try:
-        rng = np.random.default_rng(seed)
-    except (TypeError, ValueError):
-        raise InputError(f"seed is {seed!r}, expected a whole number of at least 0.") from None
-    return garnet(n_states, n_actions, branching, rng, horizon)
+    if not isinstance(seed, (int, np.integer)) or seed < 0:
+        raise InputError(f"seed is {seed!r}, expected a whole number of at least 0.")
+    return garnet(n_states, n_actions, branching, np.random.default_rng(seed), horizon)
 
 
-_MAKERS: dict[str, Callable[..., TabularMDP]] = {
+ENVIRONMENTS: dict[str, Callable[..., TabularMDP]] = {
     "starmdp": _fixed(star_mdp, "published"),
     "starmdp-text": _fixed(star_mdp, "text"),
     "gridworld": _fixed(gridworld, "published"),
@@ -92,3 +85,4 @@ _MAKERS: dict[str, Callable[..., TabularMDP]] = {
     "cliffwalking": _from_gymnasium("CliffWalking-v1"),
     "taxi": _from_gymnasium("Taxi-v4"),
 }
+"""Name -> function of the options that makes the MDP."""

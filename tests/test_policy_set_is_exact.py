@@ -1,0 +1,66 @@
+"""Counting, enumerating and sampling the Hellinger ball agree with testing every policy."""
+
+import numpy as np
+import pytest
+from conftest import random_dynamics
+from hypothesis import given
+from hypothesis import strategies as st
+
+from bridge_algos.mdp import Dynamics
+from bridge_algos.offline.policy_set import PolicySet
+from bridge_algos.policies import all_policies
+from bridge_theory.errors import InputError
+
+
+def keys(policies: np.ndarray) -> set[bytes]:
+    return {row.tobytes() for row in policies}
+
+
+@given(st.integers(0, 10**6), st.integers(1, 5), st.integers(1, 3), st.integers(1, 5), st.floats(0, 1.1))
+def test_count_and_enumeration_equal_a_scan_of_all_policies(seed, n_states, n_actions, horizon, radius) -> None:
+    rng = np.random.default_rng(seed)
+    ball = PolicySet(
+        random_dynamics(rng, n_states, n_actions, horizon), rng.integers(n_actions, size=n_states), radius
+    )
+    policies = all_policies(n_states, n_actions)
+    inside = policies[ball.contains(policies)]
+    listed = ball.enumerate()
+    assert ball.count() == len(inside) == len(listed)
+    assert keys(listed) == keys(inside)
+    assert ball.contains(ball.center)
+
+
+def test_unreachable_states_multiply_the_count() -> None:
+    stay = np.broadcast_to(np.eye(6)[:, None], (6, 3, 6))
+    ball = PolicySet(Dynamics(stay, np.eye(6)[0], 4), np.zeros(6, dtype=np.int64), 0.0)
+    assert ball.count() == 3**5
+
+
+def test_samples_are_uniform_over_the_set(rng: np.random.Generator) -> None:
+    ball = PolicySet(random_dynamics(rng, 4, 2, 3), np.zeros(4, dtype=np.int64), 0.9)
+    count = ball.count()
+    assert 3 <= count <= 14
+    draws = 40_000
+    sample = ball.sample(draws, rng)
+    _, frequency = np.unique(sample, axis=0, return_counts=True)
+    assert len(frequency) == count
+    # Hoeffding with a union over at most 14 policies: off by 0.015 with probability below 14 * 2 exp(-18) < 1e-6
+    assert np.abs(frequency / draws - 1 / count).max() < 0.015
+
+
+def test_rejection_sampling_keeps_members_only(rng: np.random.Generator) -> None:
+    ball = PolicySet(random_dynamics(rng, 5, 3, 4), np.zeros(5, dtype=np.int64), 0.7)
+    kept = ball.rejection_sample(20_000, rng)
+    assert ball.contains(kept).all()
+    assert len(keys(kept)) == len(kept) <= ball.count()
+    nothing_fits = PolicySet(random_dynamics(rng, 12, 4, 9), np.zeros(12, dtype=np.int64), 0.0)
+    np.testing.assert_array_equal(nothing_fits.rejection_sample(1, rng), nothing_fits.center[None])
+
+
+def test_bad_radius_and_too_large_enumerations_are_refused(rng: np.random.Generator) -> None:
+    dynamics, center = random_dynamics(rng, 4, 3, 3), np.zeros(4, dtype=np.int64)
+    for radius in (-0.1, float("nan")):
+        with pytest.raises(InputError, match="radius"):
+            PolicySet(dynamics, center, radius)
+    with pytest.raises(InputError, match="81 policies, above the limit of 80"):
+        PolicySet(dynamics, center, 1.0).enumerate(80)

@@ -186,3 +186,17 @@ def test_drawing_touches_no_global_state_of_matplotlib():
         "assert 'matplotlib.pyplot' not in sys.modules and 'pygame' not in sys.modules"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+@pytest.mark.parametrize(("number", "expected"), [(0.0, 1), (np.nextafter(1.0, 0.0), 2)])
+def test_states_of_probability_zero_are_never_drawn(number, expected):
+    """Not even by the smallest and the largest number that a generator can return."""
+
+    class Extreme(np.random.Generator):
+        def random(self, *args, **kwargs):
+            return number
+
+    env = TabularEnv(TabularMDP(np.tile([0.0, 0.3, 0.7, 0.0], (4, 1, 1)), [0.0, 0.3, 0.7, 0.0], 2, np.zeros(4)))
+    env.np_random = Extreme(np.random.PCG64(0))
+    assert env.reset()[0] == expected
+    assert env.step(0)[0] == expected

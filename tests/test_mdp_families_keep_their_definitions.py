@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import binom, kstest
 
-from bridge_algos.envs import ENVIRONMENTS, chain, cliff, garnet, make_mdp
+from bridge_algos.envs import chain, cliff, garnet, make_mdp, mdp_names
 from bridge_theory.errors import InputError
 
 FAILURE = 1e-6
@@ -114,7 +114,7 @@ def test_bad_arguments_get_one_sentence(call, sentence):
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize("name", sorted(ENVIRONMENTS))
+@pytest.mark.parametrize("name", mdp_names())
 def test_every_name_makes_a_valid_mdp_and_takes_a_horizon(name):
     mdp = make_mdp(name.upper(), horizon=3)
     assert mdp.horizon == 3

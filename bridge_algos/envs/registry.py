@@ -22,7 +22,7 @@ def make_mdp(name: str, **options: Any) -> TabularMDP:
     """The tabular MDP of that name.
 
     Args:
-        name: a key of :data:`ENVIRONMENTS`, in any case. ``starmdp`` and ``gridworld`` are the published variants,
+        name: one of :func:`mdp_names`, in any case. ``starmdp`` and ``gridworld`` are the published variants,
             ``starmdp-text`` and ``gridworld-text`` follow the paper's text.
         options: ``horizon`` for every name; and for the families their arguments: ``chain`` (n_states, slip), ``cliff``
             (n_rows, n_columns, slip, fall), ``garnet`` (n_states, n_actions, branching, seed).
@@ -39,16 +39,21 @@ def make_mdp(name: str, **options: Any) -> TabularMDP:
     taxi.
     """
     key = str(name).lower()
-    if key not in ENVIRONMENTS:
-        close = difflib.get_close_matches(key, ENVIRONMENTS, n=1)
+    if key not in _MAKERS:
+        close = difflib.get_close_matches(key, _MAKERS, n=1)
         guess = f" did you mean {close[0]!r}?" if close else ""
-        raise InputError(f"there is no environment {name!r};{guess} The names are {', '.join(sorted(ENVIRONMENTS))}.")
-    maker = ENVIRONMENTS[key]
+        raise InputError(f"there is no environment {name!r};{guess} The names are {', '.join(mdp_names())}.")
+    maker = _MAKERS[key]
     allowed = sorted(inspect.signature(maker).parameters)
     unknown = sorted(set(options) - set(allowed))
     if unknown:
         raise InputError(f"{key} has no option {unknown[0]!r}; its options are {', '.join(allowed)}.")
     return maker(**options)
+
+
+def mdp_names() -> tuple[str, ...]:
+    """The names that :func:`make_mdp` takes, in alphabetical order."""
+    return tuple(sorted(_MAKERS))
 
 
 def _fixed(mdp_of: Callable[[str], TabularMDP], variant: str) -> Callable[..., TabularMDP]:
@@ -72,7 +77,7 @@ def _garnet(n_states: int = 10, n_actions: int = 3, branching: int = 3, horizon:
     return garnet(n_states, n_actions, branching, np.random.default_rng(seed), horizon)
 
 
-ENVIRONMENTS: dict[str, Callable[..., TabularMDP]] = {
+_MAKERS: dict[str, Callable[..., TabularMDP]] = {
     "starmdp": _fixed(star_mdp, "published"),
     "starmdp-text": _fixed(star_mdp, "text"),
     "gridworld": _fixed(gridworld, "published"),
@@ -85,4 +90,3 @@ ENVIRONMENTS: dict[str, Callable[..., TabularMDP]] = {
     "cliffwalking": _from_gymnasium("CliffWalking-v1"),
     "taxi": _from_gymnasium("Taxi-v4"),
 }
-"""Name -> function of the options that makes the MDP."""

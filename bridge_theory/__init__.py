@@ -22,6 +22,23 @@ from bridge_theory.online.multiplier import (
 )
 from bridge_theory.online.norm_relation import alpha_dT, gamma_known, matrix_shift, norm_relation, norm_relation_sharp
 from bridge_theory.preference import kappa, kappa_differences
+from bridge_theory.regret.known import (
+    feature_difference_sum,
+    regret_known_from_sum,
+    regret_known_rate,
+    regret_known_scale,
+    regret_known_stated,
+    regret_regime_large_horizon,
+    regret_regime_small_horizon,
+    regret_regime_transition,
+)
+from bridge_theory.regret.potential import (
+    elliptical_norm_sum,
+    elliptical_potential,
+    elliptical_potential_capped,
+    potential_factor,
+)
+from bridge_theory.regret.trivial import regret_diameter, regret_hindsight, regret_offline, regret_trivial, regret_width
 from bridge_theory.setting import Setting
 
 __all__ = [
@@ -37,11 +54,15 @@ __all__ = [
     "confidence_radius_repaired",
     "coverage_failure",
     "covered_bonus",
+    "elliptical_norm_sum",
+    "elliptical_potential",
+    "elliptical_potential_capped",
     "empirical_bonus",
     "empirical_from_true_bonus",
     "empirical_from_true_bonus_sharp",
     "estimated_radius_sum",
     "expected_bonus",
+    "feature_difference_sum",
     "gamma_known",
     "gamma_unknown",
     "gamma_unknown_repaired",
@@ -54,7 +75,20 @@ __all__ = [
     "norm_relation_sharp",
     "offline_radius",
     "online_bonus_delta",
+    "potential_factor",
     "reach_size",
+    "regret_diameter",
+    "regret_hindsight",
+    "regret_known_from_sum",
+    "regret_known_rate",
+    "regret_known_scale",
+    "regret_known_stated",
+    "regret_offline",
+    "regret_regime_large_horizon",
+    "regret_regime_small_horizon",
+    "regret_regime_transition",
+    "regret_trivial",
+    "regret_width",
     "step_bonus_delta",
     "transition_bonus",
     "xi",

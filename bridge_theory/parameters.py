@@ -166,6 +166,12 @@ _ROWS = (
     Parameter("unvisited", "k", "states whose action was never recorded", COUNT, "states"),
     Parameter("counts", "N", "transition uses of each state-action cell", COUNT, "transitions", array=True),
     Parameter("visits", "N", "recorded actions in each (step, state) cell", COUNT, "actions", array=True),
+    Parameter("occupancy", r"d^{\pi}", "probability of each (step, state, action) cell, true dynamics", UNIT_INTERVAL, array=True),
+    Parameter(
+        "occupancy_hat", r"\hat d^{\pi}", "probability of each (step, state, action) cell, estimate", UNIT_INTERVAL, array=True
+    ),
+    Parameter("row_errors", "h", "squared Hellinger error of each cell's transition row", UNIT_INTERVAL, array=True),
+    Parameter("singletons", "g", "demonstrations whose set of visited states no other one has", COUNT, "trajectories"),
     # probabilities of failure
     Parameter("delta", r"\delta", "failure probability", PROBABILITY_OPEN),
     Parameter("delta1", r"\delta_1", "failure probability of the policy estimate", PROBABILITY_OPEN),
@@ -216,7 +222,7 @@ _ROWS = (
     ),
     Parameter("residual", "e_t", "distance of the weights from solving the estimating equation", NONNEGATIVE),
     Parameter("gamma", r"\gamma", "multiplier of the preference uncertainty", POSITIVE),
-    Parameter("L", "L", "bound on the norm of every vector", POSITIVE),
+    Parameter("L", "L", "bound on the norm of every vector", NONNEGATIVE),
     Parameter("v", "v", "initial multiple of the identity in the data matrix", POSITIVE),
     Parameter("square_sum", r"\sum_t\|x_t\|^2", "sum of the squared Euclidean norms", NONNEGATIVE),
     Parameter(

@@ -11,25 +11,18 @@ from typing import IO
 
 
 @contextmanager
-def atomic_path(path: Path) -> Iterator[Path]:
-    """A temporary path beside ``path``, renamed to it when the block ends without an error."""
+def atomic_write(path: Path) -> Iterator[IO[bytes]]:
+    """A binary handle whose content replaces ``path`` only when the block ends without an error."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}.", suffix=path.suffix)
-    os.close(descriptor)
+    descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
     temporary = Path(name)
     try:
-        yield temporary
+        with os.fdopen(descriptor, "wb") as handle:
+            yield handle
         os.replace(temporary, path)
     except BaseException:
         temporary.unlink(missing_ok=True)
         raise
-
-
-@contextmanager
-def atomic_write(path: Path) -> Iterator[IO[bytes]]:
-    """A binary handle whose content replaces ``path`` only when the block ends without an error."""
-    with atomic_path(path) as temporary, temporary.open("wb") as handle:
-        yield handle
 
 
 def atomic_write_text(path: Path, text: str) -> None:

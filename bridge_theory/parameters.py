@@ -166,9 +166,19 @@ _ROWS = (
     Parameter("unvisited", "k", "states whose action was never recorded", COUNT, "states"),
     Parameter("counts", "N", "transition uses of each state-action cell", COUNT, "transitions", array=True),
     Parameter("visits", "N", "recorded actions in each (step, state) cell", COUNT, "actions", array=True),
-    Parameter("occupancy", r"d^{\pi}", "probability of each (step, state, action) cell, true dynamics", UNIT_INTERVAL, array=True),
     Parameter(
-        "occupancy_hat", r"\hat d^{\pi}", "probability of each (step, state, action) cell, estimate", UNIT_INTERVAL, array=True
+        "occupancy",
+        r"d^{\pi}",
+        "probability of each (step, state, action) cell, true dynamics",
+        UNIT_INTERVAL,
+        array=True,
+    ),
+    Parameter(
+        "occupancy_hat",
+        r"\hat d^{\pi}",
+        "probability of each (step, state, action) cell, estimate",
+        UNIT_INTERVAL,
+        array=True,
     ),
     Parameter("row_errors", "h", "squared Hellinger error of each cell's transition row", UNIT_INTERVAL, array=True),
     Parameter("singletons", "g", "demonstrations whose set of visited states no other one has", COUNT, "trajectories"),

@@ -61,5 +61,6 @@ def reproduce(name: str, options: argparse.Namespace) -> None:
 def _figure(results: xr.Dataset, curves: dict[str, Any] | None) -> Any:
     picture = plots.figure(results)
     if curves is not None:
-        draw_beside(*picture.axes, curves)
+        regret, size = picture.axes
+        draw_beside(regret, size, curves)
     return picture

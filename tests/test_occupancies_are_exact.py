@@ -50,7 +50,9 @@ def test_features_costs_and_visits_equal_enumeration(dynamics: Dynamics, rng: np
         for i, policy in enumerate(policies):
             paths, mass = law(dynamics, policy)
             np.testing.assert_allclose(features[i], mass @ embedding.of_trajectories(paths), atol=1e-12)
-            assert cost[i] == pytest.approx(mass @ costs[paths.states, paths.actions][:, : H - 1].sum(axis=1), abs=1e-12)
+            assert cost[i] == pytest.approx(
+                mass @ costs[paths.states, paths.actions][:, : H - 1].sum(axis=1), abs=1e-12
+            )
             seen = (paths.states[:, :, None] == np.arange(S)).any(axis=1)
             np.testing.assert_allclose(visits[i], mass @ seen, atol=1e-12)
             counted = (paths.states[:, : H - 1, None] == np.arange(S)).sum(axis=1)
@@ -100,7 +102,9 @@ def test_sampled_features_agree_within_their_error(dynamics: Dynamics, rng: np.r
 
 
 def test_a_function_of_the_whole_trajectory_is_sampled_with_its_error(dynamics: Dynamics, rng) -> None:
-    returns_home = SampledEmbedding("ends where it began", 1, 1.0, lambda t: (t.states[:, :1] == t.states[:, -1:]) * 1.0)
+    returns_home = SampledEmbedding(
+        "ends where it began", 1, 1.0, lambda t: (t.states[:, :1] == t.states[:, -1:]) * 1.0
+    )
     policy = np.zeros((1, S), dtype=np.int64)
     paths, mass = law(dynamics, policy[0])
     truth = float(mass @ returns_home.of_trajectories(paths)[:, 0])

@@ -19,9 +19,7 @@ def keys(policies: np.ndarray) -> set[bytes]:
 @given(st.integers(0, 10**6), st.integers(1, 5), st.integers(1, 3), st.integers(1, 5), st.floats(0, 1.1))
 def test_count_and_enumeration_equal_a_scan_of_all_policies(seed, n_states, n_actions, horizon, radius) -> None:
     rng = np.random.default_rng(seed)
-    ball = PolicySet(
-        random_dynamics(rng, n_states, n_actions, horizon), rng.integers(n_actions, size=n_states), radius
-    )
+    ball = PolicySet(random_dynamics(rng, n_states, n_actions, horizon), rng.integers(n_actions, size=n_states), radius)
     policies = all_policies(n_states, n_actions)
     inside = policies[ball.contains(policies)]
     listed = ball.enumerate()

@@ -34,7 +34,7 @@ def test_no_room_imports_a_higher_one(room: str) -> None:
         ("import bridge_theory", "torch gymnasium mujoco cvxpy matplotlib sympy scipy"),
         ("import bridge_algos, bridge_algos.envs.registry", "torch mujoco cvxpy matplotlib gymnasium minari"),
         ("import bridge_algos.run.runner", "torch mujoco minari sympy"),
-        ("import experiments.cli", "torch mujoco cvxpy matplotlib sympy scipy xarray numpy"),
+        ("import experiments.cli", "torch mujoco cvxpy matplotlib sympy scipy xarray"),
     ],
 )
 def test_import_loads_nothing_heavy(statement: str, absent: str) -> None:

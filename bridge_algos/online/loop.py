@@ -23,6 +23,7 @@ from bridge_algos.online.pair_rules import PairRule, choose_pair
 from bridge_algos.online.policy_filter import surviving, whiten
 from bridge_algos.online.preference_model import fit_adam, fit_exact, project, projection_error
 from bridge_algos.trajectories import sample_trajectories
+from bridge_theory.errors import InputError
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,11 +190,16 @@ def _look(
         dynamics = dynamics.under(estimate_transitions(memory.counts, learner.empty_row))
         costs = learner.confidence.step_bonus(memory.counts.sum(axis=2))
     steps = learner.confidence.bonus_steps
-    if learner.rollouts is None:
-        features, bonus = expected_features(dynamics, policies, problem.embedding, costs, steps)
-    else:
+    if learner.rollouts is not None:
         sample = sampled_features(dynamics, policies, problem.embedding, learner.rollouts, rng, costs, steps)
         features, bonus = sample.means, sample.costs
+    elif isinstance(problem.embedding, Embedding):
+        features, bonus = expected_features(dynamics, policies, problem.embedding, costs, steps)
+    else:
+        raise InputError(
+            f"the embedding {problem.embedding.name!r} is a function of whole trajectories, whose expectation can only "
+            "be sampled; give the learner a number of rollouts."
+        )
     return _View(dynamics, features, np.minimum(bonus, learner.confidence.bonus_cap), w, error)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from importlib.metadata import version
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -168,7 +169,7 @@ def _dataset(
     scalars: dict[str, tuple[float, str]],
 ) -> xr.Dataset:
     names = list(records)
-    variables = {
+    variables: dict[str, Any] = {
         name: (("algorithm", "round"), np.stack([records[algorithm][name] for algorithm in names]), {"units": unit})
         for name, unit in UNITS.items()
     }

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Final
 
 import xarray as xr
 
-from bridge_algos.files import atomic_path, atomic_write_text
+from bridge_algos.files import atomic_write, atomic_write_text
 from bridge_algos.run.config import RunConfig
 from bridge_theory.errors import InputError
 
-ENGINE = "h5netcdf"
+ENGINE: Final = "h5netcdf"
 
 
 def open_run(directory: Path, config: RunConfig) -> set[int]:
@@ -40,8 +41,9 @@ def seed_files(directory: Path) -> list[Path]:
 
 def save_seed(directory: Path, dataset: xr.Dataset) -> None:
     """Write the data set of one seed."""
-    with atomic_path(directory / f"seed-{int(dataset.seed):05d}.nc") as temporary:
-        dataset.to_netcdf(temporary, engine=ENGINE)
+    content = dataset.to_netcdf(engine=ENGINE)
+    with atomic_write(directory / f"seed-{int(dataset.seed):05d}.nc") as handle:
+        handle.write(content)
 
 
 def load_run(directory: Path) -> xr.Dataset:

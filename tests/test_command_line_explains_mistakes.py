@@ -1,0 +1,82 @@
+"""A user's mistake ends in one sentence on standard error and exit status 2, never in a traceback."""
+
+from pathlib import Path
+
+import pytest
+
+from experiments.cli import main
+
+FAST = ["--seeds", "1", "--rounds", "2", "--jobs", "1"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["fly"], "unknown subcommand 'fly'"),
+        (["run"], "the following arguments are required: environment"),
+        (["run", "starmpd"], "did you mean 'starmdp'"),
+        (["run", "starmdp", "--preset", "fast"], "unknown preset 'fast'"),
+        (["run", "starmdp", "--radius", "-0.1"], "radius is -0.1"),
+        (["run", "starmdp", "--radius", "huge"], "radius is 'huge'"),
+        (["run", "starmdp", "--rounds", "0"], "rounds is 0"),
+        (["run", "starmdp", "--seeds", "0"], "seeds is 0"),
+        (["run", "starmdp", "--jobs", "0"], "jobs is 0"),
+        (["run", "starmdp", "--algorithms", "bridge,sac"], "unknown algorithm"),
+        (["run", "starmdp", "--fit", "sgd"], "fit is 'sgd'"),
+        (["run", "starmdp", "--set", "gama=1"], "is not NAME=VALUE"),
+        (["run", "starmdp", "--set", "gamma=high"], "gamma is 'high'"),
+        (["run", "starmdp", "--set", 'environment_options={"horizon": 0}'], "horizon is 0"),
+        (["run", "starmdp", "--set", "embedding=pixels"], "unknown embedding"),
+        (["run", "starmdp", "--frames", "3"], "unrecognized arguments"),
+        (["reproduce", "fig9"], "nothing to reproduce named 'fig9'"),
+        (["reproduce"], "required: NAME"),
+    ],
+)
+def test_mistakes(arguments: list[str], sentence: str, tmp_path: Path, capsys, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(arguments) == 2
+    captured = capsys.readouterr()
+    assert sentence in captured.err
+    assert len(captured.err.strip().splitlines()) == 1
+    assert "Traceback" not in captured.err
+
+
+def test_a_damaged_result_is_one_sentence(tmp_path: Path, capsys) -> None:
+    arguments = ["run", "starmdp", *FAST, "--out", str(tmp_path / "r")]
+    assert main(arguments) == 0
+    victim = tmp_path / "r" / "seed-00000.nc"
+    victim.write_bytes(victim.read_bytes()[:500])
+    capsys.readouterr()
+    assert main(arguments) == 2
+    assert "not a readable result file" in capsys.readouterr().err
+
+
+def test_a_run_prints_its_table_and_writes_its_figures(tmp_path: Path, capsys) -> None:
+    assert main(["run", "starmdp", *FAST, "--fit", "exact", "--out", str(tmp_path)]) == 0
+    printed = capsys.readouterr().out
+    assert "bridge below pbrl?" in printed
+    assert "cum. suboptimality" in printed
+    for suffix, magic in ((".png", b"\x89PNG"), (".pdf", b"%PDF")):
+        assert (tmp_path / f"regret{suffix}").read_bytes().startswith(magic)
+
+
+def test_help_lists_every_subcommand(capsys) -> None:
+    assert main(["--help"]) == 0
+    printed = capsys.readouterr().out
+    assert all(name in printed for name in ("run", "reproduce", "bounds", "plan"))
+
+
+def test_the_configuration_can_be_shown(capsys) -> None:
+    assert main(["run", "gridworld", "--features", "sampled", "--show-config"]) == 0
+    printed = capsys.readouterr().out
+    assert '"rollouts": 100' in printed
+    assert '"radius": 0.96' in printed
+
+
+def test_interruption_has_its_own_status(monkeypatch, capsys) -> None:
+    def interrupt(argv: list[str]) -> int:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("bridge_algos.run.cli.main", interrupt)
+    assert main(["run", "starmdp"]) == 130
+    assert "interrupted" in capsys.readouterr().err

@@ -1,5 +1,8 @@
 """Gymnasium environments: the checker passes without a warning, steps follow the MDP's law, pictures show the state."""
 
+import subprocess
+import sys
+
 import gymnasium
 import numpy as np
 import pytest
@@ -28,15 +31,13 @@ def test_registering_again_changes_nothing_and_warns_nothing():
     assert {"bridge_rl/StarMDP-v0", "bridge_rl/StarMDPText-v0", "bridge_rl/Gridworld-v0"} <= set(IDS)
 
 
-def test_an_entry_point_of_gymnasium_registers_the_same_ids():
-    """Gymnasium calls entry points inside the namespace of their name."""
-    from gymnasium.envs.registration import namespace
-
-    for identifier in IDS:
-        del gymnasium.registry[identifier]
-    with namespace("bridge_rl"):
-        register_environments()
-    assert set(IDS) <= set(gymnasium.registry)
+def test_an_id_that_names_the_module_needs_no_registration():
+    code = (
+        "import gymnasium\n"
+        "env = gymnasium.make('bridge_algos.envs.gymnasium_env:bridge_rl/Garnet-v0', seed=3)\n"
+        "assert env.spec.kwargs == {'mdp': 'garnet', 'seed': 3}, env.spec"
+    )
+    subprocess.run([sys.executable, "-W", "error", "-c", code], check=True)
 
 
 def test_options_and_specification_survive_json():
@@ -177,9 +178,6 @@ def test_the_agent_is_drawn_in_its_cell():
 
 
 def test_drawing_touches_no_global_state_of_matplotlib():
-    import subprocess
-    import sys
-
     code = (
         "import sys; from bridge_algos.envs.gymnasium_env import TabularEnv\n"
         "env = TabularEnv('starmdp', render_mode='rgb_array'); env.reset(seed=0); env.render()\n"

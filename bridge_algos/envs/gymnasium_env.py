@@ -10,6 +10,7 @@ import numpy as np
 from gymnasium.spaces import Discrete
 from numpy.typing import NDArray
 
+from bridge_algos.envs.registration import register_environments
 from bridge_algos.envs.registry import make_mdp
 from bridge_algos.mdp import TabularMDP
 from bridge_theory.errors import InputError
@@ -118,3 +119,6 @@ def reward_of(mdp: TabularMDP, state: int, action: int, target: int) -> float:
 def _draw(law: NDArray[np.float64], rng: np.random.Generator) -> int:
     cumulative = np.cumsum(law)
     return int(np.searchsorted(cumulative / cumulative[-1], rng.random(), side="right"))
+
+
+register_environments()  # so that gymnasium.make("bridge_algos.envs.gymnasium_env:bridge_rl/...") finds the id

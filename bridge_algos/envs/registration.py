@@ -1,9 +1,12 @@
-"""The package's environments under Gymnasium ids."""
+"""The package's environments under Gymnasium ids.
+
+Gymnasium (1.4) loads no plugins by itself: either call :func:`register_environments` first, or name the
+module in the id, ``gymnasium.make("bridge_algos.envs.gymnasium_env:bridge_rl/StarMDP-v0")``, whose import registers.
+"""
 
 from __future__ import annotations
 
 NAMESPACE = "bridge_rl"
-"""Also the name of the entry point in the group ``gymnasium.envs``, which Gymnasium takes for the namespace."""
 
 GYMNASIUM_NAMES = {
     "StarMDP-v0": "starmdp",

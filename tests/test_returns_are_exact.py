@@ -47,6 +47,12 @@ def test_a_return_is_the_expectation_over_all_paths(mdp):
         assert error <= rounding_allowance(mdp)
 
 
+def test_the_rounding_allowance_covers_a_long_horizon():
+    mdp = TabularMDP([[[1]]], initial=[1], horizon=1000, reward=[0.1])
+    error = abs(Fraction(expected_return(mdp, [0])) - 1000 * Fraction(0.1))
+    assert 1e-13 < error <= rounding_allowance(mdp)
+
+
 def test_the_rounding_allowance_is_small():
     mdp = random_mdp(seed=3, n_states=16, n_actions=5, horizon=10)
     assert 0 < rounding_allowance(mdp) < 1e-12 * mdp.horizon * np.abs(mdp.reward).max()

@@ -132,7 +132,6 @@ def test_the_enclosure_holds_in_exact_arithmetic(mdp):
     optimum = (initial * values)[0]
     certificate = make_expert(mdp, "finite-horizon-lp").certificate
     assert Rational(certificate.lower) <= optimum <= Rational(certificate.upper)
-    assert certificate.gap > 3 * rounding_allowance(mdp)
 
 
 @settings(derandomize=True, deadline=None, max_examples=20)

@@ -1,7 +1,8 @@
 r"""The radius of the offline set, by name.
 
 - ``stated``: thm:tabular_confidence_set; needs gamma_min, which only the true dynamics and expert know.
-- ``repaired``: audit T9 with T7(b) for the clone and T6(ii) + T11 for the transitions; no gamma_min.
+- ``repaired``: audit T9 with T7(b) for the clone and T6(ii) + T11 for the transitions, over the S rows that the expert
+  uses; no gamma_min.
 - ``zero``: audit T8, the version space; contains a deterministic stationary expert surely when the estimate is the
   count MLE closed by self-loops.
 """
@@ -23,13 +24,11 @@ def named_radii(truth: Dynamics, expert: ArrayLike, n: int, delta: float) -> dic
         truth: the real dynamics, used for gamma_min alone.
         expert: the expert's policy, in any form.
     """
-    size = {"S": truth.n_states, "A": truth.n_actions, "H": truth.horizon, "n": n, "delta": delta}
+    size = {"S": truth.n_states, "H": truth.horizon, "n": n, "delta": delta}
     gamma_min = minimum_visitation(truth, expert)
-    return {
-        "stated": float(theory.offline_radius.enclosure(**size, gamma_min=gamma_min).upper),
-        "repaired": float(theory.offline_radius_repaired.enclosure(**size).upper),
-        "zero": 0.0,
-    }
+    stated = theory.offline_radius.enclosure(**size, A=truth.n_actions, gamma_min=gamma_min)
+    repaired = theory.offline_radius_repaired.enclosure(**size, rows=truth.n_states)
+    return {"stated": stated.upper, "repaired": repaired.upper, "zero": 0.0}
 
 
 def minimum_visitation(truth: Dynamics, expert: ArrayLike) -> float:

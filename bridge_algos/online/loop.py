@@ -9,6 +9,7 @@ of the policy that is greedy after the round's answer.
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -16,7 +17,7 @@ import numpy as np
 from bridge_algos.embeddings import Embedding, SampledEmbedding, expected_features, sampled_features
 from bridge_algos.evaluation import expected_returns
 from bridge_algos.mdp import Dynamics, FloatArray, IntArray, TabularMDP
-from bridge_algos.offline.transitions import EmptyRow, estimate_transitions, transition_counts
+from bridge_algos.offline.transitions import estimate_transitions, transition_counts
 from bridge_algos.online.confidence import Confidence, RoundState, pair_visits
 from bridge_algos.online.oracles import Oracle
 from bridge_algos.online.pair_rules import PairRule, choose_pair
@@ -63,7 +64,7 @@ class Learner:
         comparisons: K, how many pairs of trajectories are compared in a round.
         fit: ``"exact"`` optimum, or the published runs' ten ``"adam"`` steps from a normalised vector of ones.
         rollouts: None for exact features, or the number of rollouts a policy.
-        empty_row: what the transition estimate does without data.
+        estimate: from pooled transition counts (S, A, S) to a kernel (S, A, S).
     """
 
     name: str
@@ -77,7 +78,7 @@ class Learner:
     comparisons: int = 1
     fit: str = "exact"
     rollouts: int | None = None
-    empty_row: EmptyRow = "self_loop"
+    estimate: Callable[[IntArray], FloatArray] = estimate_transitions
 
 
 @dataclass
@@ -187,7 +188,7 @@ def _look(
     dynamics = problem.mdp.dynamics
     costs = None
     if memory.counts is not None:
-        dynamics = dynamics.under(estimate_transitions(memory.counts, learner.empty_row))
+        dynamics = dynamics.under(learner.estimate(memory.counts))
         costs = learner.confidence.step_bonus(memory.counts.sum(axis=2))
     steps = learner.confidence.bonus_steps
     if learner.rollouts is not None:

@@ -17,6 +17,7 @@ RADII = ("stated", "repaired", "zero")
 
 _CHOICES: dict[str, tuple[str, ...]] = {
     "expert": EXPERTS,
+    "transition_model": ("counts", "mlp"),
     "candidates": ("exact", "rejection"),
     "confidence": ("fixed", "stated", "repaired"),
     "oracle": ("returns", "bradley-terry"),
@@ -50,7 +51,8 @@ class RunConfig:
         n_demonstrations: n.
         noise: probability that a recorded action is replaced by a random one.
         tie_break: what the clone does in unvisited states.
-        empty_row: what the transition estimate does without data.
+        transition_model: ``"counts"``, or ``"mlp"`` (the paper's network for Gridworld; needs torch).
+        empty_row: what the count estimate does without data.
         radius: of the offline set, a number or one of ``RADII``.
         candidates: ``"exact"`` enumerates the offline set, or samples ``candidate_limit`` policies from it when it is
             larger; ``"rejection"`` keeps those of ``proposals`` random policies that lie in it (the paper's way).
@@ -74,6 +76,7 @@ class RunConfig:
     n_demonstrations: int = 10
     noise: float = 0.0
     tie_break: TieBreak = "random"
+    transition_model: str = "counts"
     empty_row: EmptyRow = "uniform"
     radius: float | str = 0.96
     candidates: str = "exact"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from importlib.metadata import version
 from typing import Any
 
@@ -15,7 +16,6 @@ from bridge_algos.hellinger import squared_hellinger
 from bridge_algos.mdp import FloatArray, IntArray
 from bridge_algos.offline.cloning import action_counts, add_action_noise, clone_deterministic
 from bridge_algos.offline.policy_set import PolicySet
-from bridge_algos.offline.radius import named_radii
 from bridge_algos.offline.transitions import estimate_transitions, transition_counts
 from bridge_algos.online.confidence import Confidence, fixed, repaired, stated
 from bridge_algos.online.loop import RECORDED, Learner, OnlineProblem, run_online
@@ -43,7 +43,7 @@ UNITS = {
 
 def stream(seed: int, purpose: str) -> np.random.Generator:
     """The generator of one purpose within a seed: a purpose's numbers do not depend on what else is run."""
-    purposes = ("demonstrations", "noise", "ties", "candidates", "search", *ALGORITHMS)
+    purposes = ("demonstrations", "noise", "ties", "candidates", "search", "network", *ALGORITHMS)
     return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(purposes.index(purpose),)))
 
 
@@ -65,9 +65,9 @@ def _run_seed(config: RunConfig, world: World, seed: int) -> xr.Dataset:
     pairs = action_counts(demonstrations, mdp.n_states, mdp.n_actions)
     counts = transition_counts(demonstrations, mdp.n_states, mdp.n_actions)
     clone = clone_deterministic(pairs, stream(seed, "ties"), config.tie_break)
-    estimate = mdp.dynamics.under(estimate_transitions(counts, config.empty_row))
-    radii = named_radii(mdp.dynamics, world.expert.policy, config.n_demonstrations, config.delta)
-    radius = radii[config.radius] if isinstance(config.radius, str) else float(config.radius)
+    fit = _transition_fit(config, stream(seed, "network"))
+    estimate = mdp.dynamics.under(fit(counts))
+    radius = world.radii[config.radius] if isinstance(config.radius, str) else float(config.radius)
     problem = OnlineProblem(
         mdp, world.embedding, build_oracle(config, world), world.optimum, world.expert.expected_return, world.w_star
     )
@@ -94,7 +94,7 @@ def _run_seed(config: RunConfig, world: World, seed: int) -> xr.Dataset:
             comparisons=config.comparisons,
             fit=config.fit,
             rollouts=config.rollouts,
-            empty_row=config.empty_row,
+            estimate=fit,
         )
         records[name] = run_online(problem, learner, config.rounds, stream(seed, name))
     distance = np.sqrt(squared_hellinger(estimate, world.expert.policy, estimate, clone))
@@ -106,7 +106,7 @@ def _run_seed(config: RunConfig, world: World, seed: int) -> xr.Dataset:
         "radius": (radius, "Hellinger distance"),
         "offline_set_count": (_count(offline), "policies"),
     }
-    for name, value in radii.items():
+    for name, value in world.radii.items():
         scalars[f"radius_{name}"] = (value, "Hellinger distance")
         scalars[f"expert_in_{name}"] = (float(distance <= value + 1e-9), "1 = yes")
     return _dataset(config, world, seed, records, scalars)
@@ -141,6 +141,14 @@ def _search_space(
         return rng.permutation(all_policies(n_states, n_actions))
     missing = max(0, config.search_size - len(ball))
     return rng.permutation(np.concatenate([ball, random_policies(missing, n_states, n_actions, rng)]))
+
+
+def _transition_fit(config: RunConfig, rng: np.random.Generator) -> Callable[[IntArray], FloatArray]:
+    if config.transition_model == "counts":
+        return lambda counts: estimate_transitions(counts, config.empty_row)
+    from bridge_algos.continuous.transition_mlp import fit_transition_mlp
+
+    return lambda counts: fit_transition_mlp(counts, rng)
 
 
 def _confidence(config: RunConfig, world: World, known: bool) -> Confidence:

@@ -10,6 +10,7 @@ from bridge_algos.embeddings import Embedding, make_embedding
 from bridge_algos.envs.registry import make_mdp
 from bridge_algos.expert.experts import Expert, make_expert
 from bridge_algos.mdp import FloatArray, IntArray, TabularMDP
+from bridge_algos.offline.radius import named_radii
 from bridge_algos.online.oracles import BradleyTerryOracle, Oracle, ReturnOracle
 from bridge_algos.run.config import RunConfig
 from bridge_theory.errors import InputError
@@ -23,6 +24,7 @@ class World:
         w_star: (d,) true weights when the utility is linear in the embedding, else None.
         utility_scale: utility per unit of reward, <phi(pi), w*> = utility_scale J(pi); NaN without w*.
         weight_bound: W.
+        radii: the offline radius by name; see :mod:`bridge_algos.offline.radius`.
     """
 
     mdp: TabularMDP
@@ -31,6 +33,7 @@ class World:
     w_star: FloatArray | None
     utility_scale: float
     weight_bound: float
+    radii: dict[str, float]
 
     @property
     def optimum(self) -> IntArray:
@@ -47,7 +50,8 @@ def build_world(config: RunConfig) -> World:
     w_star, scale = None, np.nan
     if config.embedding == "state_action_counts":
         w_star, scale = _utility(mdp, weight_bound)
-    return World(mdp, expert, embedding, w_star, scale, weight_bound)
+    radii = named_radii(mdp.dynamics, expert.policy, config.n_demonstrations, config.delta)
+    return World(mdp, expert, embedding, w_star, scale, weight_bound, radii)
 
 
 def build_oracle(config: RunConfig, world: World) -> Oracle:

@@ -1,0 +1,1 @@
+"""What needs torch (and, later, MuJoCo): nothing outside this room imports either."""

@@ -1,0 +1,213 @@
+"""``make bench``: exact mode against sampled mode, in one run on one machine, and the goals they should meet.
+
+"Step by step" is the paper's way: one trajectory at a time, one ``Generator.choice`` a step, 100 rollouts a policy, ten
+Adam steps, a projection by SLSQP with finite differences. It is timed on a few policies and scaled to all of them (the
+cost is linear in the number of policies); the projection and the fit are timed whole. "Vectorised" is this package's
+own sampled mode, which draws all rollouts of a policy at once.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.optimize
+from threadpoolctl import threadpool_limits
+
+from bridge_algos.embeddings import Embedding, make_embedding
+from bridge_algos.envs.registry import make_mdp
+from bridge_algos.mdp import Dynamics, FloatArray, IntArray
+from bridge_algos.offline.policy_set import PolicySet
+from bridge_algos.online.oracles import sigmoid
+from bridge_algos.online.policy_filter import surviving, widest_pair
+from bridge_algos.online.preference_model import fit_adam, fit_exact, projection_error
+from bridge_algos.policies import random_policies
+from bridge_algos.run.config import RunConfig, preset
+from bridge_algos.run.seed import run_seed
+from bridge_algos.run.world import build_world
+from bridge_algos.trajectories import Trajectories
+
+ROLLOUTS = 100
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line of the report: what was measured, the figure, and the goal with its direction."""
+
+    what: str
+    figure: float
+    goal: float | None = None
+    unit: str = "x"
+    larger_is_better: bool = True
+
+    @property
+    def met(self) -> bool:
+        if self.goal is None:
+            return True
+        return self.figure >= self.goal if self.larger_is_better else self.figure <= self.goal
+
+    def __str__(self) -> str:
+        goal = "" if self.goal is None else f"goal {self.goal:g} {self.unit}: {'met' if self.met else 'MISSED'}"
+        return f"{self.what:<66}{self.figure:>12,.4g} {self.unit:<3} {goal}"
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Print the report; exit status 1 when a goal is missed."""
+    p = argparse.ArgumentParser(prog="python -m experiments.bench", description=__doc__)
+    p.add_argument("--quick", action="store_true", help="fewer repetitions")
+    quick = p.parse_args(argv).quick
+    with threadpool_limits(1):
+        rows = [row for part in (_rounds, _fits, _counts, _filters) for row in _show(part(3 if quick else 9))]
+    missed = sum(not row.met for row in rows)
+    print(f"\n{len(rows)} figures, {missed} goals missed; absolute times depend on the machine, ratios much less")
+    return 1 if missed else 0
+
+
+def _show(rows: list[Row]) -> list[Row]:
+    for row in rows:
+        print(row, flush=True)
+    return rows
+
+
+def _rounds(repetitions: int) -> list[Row]:
+    """One online round: exact against the paper's way and against the vectorised sampled mode."""
+    rows = []
+    for environment, embedding in (("starmdp", "identity_short"), ("gridworld", "state_counts")):
+        config = preset("published", environment).but(rounds=repetitions + 1)
+        exact = _seconds_per_round(config)
+        sampled = _seconds_per_round(config.but(rollouts=ROLLOUTS, rounds=3))
+        mdp = make_mdp(environment)
+        phi = make_embedding(embedding, mdp.n_states, mdp.n_actions, mdp.horizon)
+        per_policy, per_round = _paper_costs(mdp.dynamics, phi)
+        for name, goal in (("bridge", 300), ("pbrl", 3000)):
+            seconds, policies = exact[name]
+            paper = per_policy * policies + per_round
+            rows += [
+                Row(f"{environment} {name} round, {policies} policies, exact", 1e3 * seconds, unit="ms"),
+                Row(f"  the paper's way, step by step ({paper:.2f} s) / exact", paper / seconds, goal),
+                Row("  vectorised sampled mode / exact", sampled[name][0] / seconds),
+            ]
+    return rows
+
+
+def _seconds_per_round(config: RunConfig) -> dict[str, tuple[float, int]]:
+    """Median seconds of a round after the first, and how many policies each algorithm searched."""
+    result = run_seed(config.but(algorithms=("bridge", "pbrl")), build_world(config), 0)
+    timed = result.isel(round=slice(1, None))
+    return {
+        name: (
+            float(timed.seconds.sel(algorithm=name).median()),
+            int(result.set_size.sel(algorithm=name)[0]),
+        )
+        for name in ("bridge", "pbrl")
+    }
+
+
+def _paper_costs(dynamics: Dynamics, phi: Embedding) -> tuple[float, float]:
+    """Seconds a policy (rollouts one step at a time) and seconds a round (fit and projection) in the paper's way."""
+    rng = np.random.default_rng(0)
+    policies = random_policies(3, dynamics.n_states, dynamics.n_actions, rng)
+    features = _seconds(lambda: [_rollouts_step_by_step(dynamics, policy, phi, rng) for policy in policies], 1) / 3
+    x, outcomes = _preferences(120, phi.dimension, rng)
+    matrix = np.eye(phi.dimension) + x.T @ x
+
+    def fit_and_project() -> None:
+        w = fit_adam(x, outcomes, 1.0, np.ones(phi.dimension))
+        scipy.optimize.minimize(
+            lambda v: projection_error(v, x, outcomes, 1.0, matrix) ** 2,
+            w / np.linalg.norm(w),
+            method="SLSQP",
+            constraints={"type": "ineq", "fun": lambda v: 1 - v @ v},
+        )
+
+    return features, _seconds(fit_and_project, 3)
+
+
+def _rollouts_step_by_step(
+    dynamics: Dynamics, policy: IntArray, phi: Embedding, rng: np.random.Generator
+) -> FloatArray:
+    total = np.zeros(phi.dimension)
+    for _ in range(ROLLOUTS):
+        states, actions = [], []
+        state = int(rng.choice(dynamics.n_states, p=dynamics.initial))
+        for _ in range(dynamics.horizon):
+            action = int(policy[state])
+            states.append(state)
+            actions.append(action)
+            state = int(rng.choice(dynamics.n_states, p=dynamics.transitions[state, action]))
+        total += phi.of_trajectories(Trajectories(np.array([states]), np.array([actions])))[0]
+    return total / ROLLOUTS
+
+
+def _fits(repetitions: int) -> list[Row]:
+    """The logistic optimum by Newton, against Adam run until its gradient is as small as 1e-6."""
+    x, outcomes = _preferences(250, 16, np.random.default_rng(1))
+    start = np.full(16, 0.25)
+    newton = _seconds(lambda: fit_exact(x, outcomes, 1.0, start), 5 * repetitions)
+    steps = 1000
+    while np.abs(_gradient(fit_adam(x, outcomes, 1.0, start, steps), x, outcomes)).max() > 1e-6 * len(x):
+        steps += 1000
+    adam = _seconds(lambda: fit_adam(x, outcomes, 1.0, start, steps), 1)
+    return [
+        Row("logistic optimum, 250 comparisons, d = 16, damped Newton", 1e3 * newton, unit="ms"),
+        Row(f"  Adam at rate 0.01 to the same optimum ({steps} steps) / Newton", adam / newton, 100),
+    ]
+
+
+def _counts(repetitions: int) -> list[Row]:
+    """The exact number of Gridworld policies in a ball, out of 5^16."""
+    mdp = make_mdp("gridworld")
+    rng = np.random.default_rng(2)
+    centers = random_policies(repetitions, mdp.n_states, mdp.n_actions, rng)
+    slowest = max(
+        _seconds(lambda c=center, r=radius: PolicySet(mdp.dynamics, c, r).count(), 3)  # type: ignore[misc]
+        for center in centers
+        for radius in (0.5, 0.9, 0.96)
+    )
+    return [Row("exact count of a Hellinger ball, S = 16, slowest of several", 1e3 * slowest, 10, "ms", False)]
+
+
+def _filters(repetitions: int) -> list[Row]:
+    """Pi_t and the arg-max pair over 20,000 policies, exactly."""
+    rng = np.random.default_rng(3)
+    z, scores, bonus = rng.normal(size=(20_000, 16)), rng.normal(size=20_000), 0.05 * rng.random(20_000)
+
+    def work() -> None:
+        surviving(scores + bonus, scores - bonus, z, 0.2)
+        widest_pair(z, 0.2, bonus)
+
+    return [Row("filter and arg-max pair, 20,000 policies, CPU", _cpu_seconds(work, repetitions), 0.2, "s", False)]
+
+
+def _preferences(m: int, d: int, rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
+    x = rng.normal(size=(m, d))
+    return x, (rng.random(m) < sigmoid(x @ rng.normal(size=d))).astype(np.float64)
+
+
+def _gradient(w: FloatArray, x: FloatArray, outcomes: FloatArray) -> FloatArray:
+    return np.asarray(x.T @ (sigmoid(x @ w) - outcomes) + w)
+
+
+def _seconds(work: Callable[[], object], repetitions: int) -> float:
+    return _fastest(work, repetitions, time.perf_counter)
+
+
+def _cpu_seconds(work: Callable[[], object], repetitions: int) -> float:
+    return _fastest(work, repetitions, time.process_time)
+
+
+def _fastest(work: Callable[[], object], repetitions: int, clock: Callable[[], float]) -> float:
+    times = []
+    for _ in range(repetitions):
+        start = clock()
+        work()
+        times.append(clock() - start)
+    return min(times)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

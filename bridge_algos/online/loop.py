@@ -181,7 +181,7 @@ def _look(
     rng: np.random.Generator,
 ) -> _View:
     """Dynamics, features, bonuses and weights as the data so far have them."""
-    w, error = _fit(learner, memory)
+    w, error = _fit(learner, memory, previous)
     exact = learner.rollouts is None
     if previous is not None and exact and memory.counts is None:
         return replace(previous, w=w, error=error)
@@ -204,13 +204,14 @@ def _look(
     return _View(dynamics, features, np.minimum(bonus, learner.confidence.bonus_cap), w, error)
 
 
-def _fit(learner: Learner, memory: _Memory) -> tuple[FloatArray, float]:
+def _fit(learner: Learner, memory: _Memory, previous: _View | None) -> tuple[FloatArray, float]:
     d = memory.x.shape[1]
-    if not len(memory.x):
+    if previous is None or not len(memory.x):
         return np.zeros(d), 0.0
-    ones = np.full(d, d**-0.5)
-    fit = fit_adam if learner.fit == "adam" else fit_exact
-    estimate = fit(memory.x, memory.outcomes, learner.lam, ones)
+    if learner.fit == "adam":
+        estimate = fit_adam(memory.x, memory.outcomes, learner.lam, np.full(d, d**-0.5))
+    else:
+        estimate = fit_exact(memory.x, memory.outcomes, learner.lam, previous.w)
     w = project(estimate, memory.x, learner.lam, memory.matrix, learner.weight_bound)
     return w, projection_error(w, memory.x, memory.outcomes, learner.lam, memory.matrix)
 

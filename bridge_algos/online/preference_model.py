@@ -43,7 +43,7 @@ def fit_exact(x: FloatArray, outcomes: FloatArray, lam: float, start: FloatArray
             break
         hessian = (x * (p * (1 - p))[:, None]).T @ x
         hessian[np.diag_indices(len(w))] += lam
-        step = scipy.linalg.solve(hessian, gradient, assume_a="pos")
+        step = np.linalg.solve(hessian, gradient)
         length, descent = 1.0, float(gradient @ step)
         while length > 1e-12:
             candidate = w - length * step
@@ -116,7 +116,7 @@ def project(w: FloatArray, x: FloatArray, lam: float, matrix: FloatArray, radius
 def projection_error(v: FloatArray, x: FloatArray, outcomes: FloatArray, lam: float, matrix: FloatArray) -> float:
     r"""The solver error :math:`e_t(v) = \|g(v) - \sum_l o_l x_l\|_{V^{-1}}` of audit R1 (0 at the exact optimum)."""
     difference = _g(v, x, lam) - x.T @ outcomes
-    return float(np.sqrt(max(0.0, difference @ scipy.linalg.solve(matrix, difference, assume_a="pos"))))
+    return float(np.sqrt(max(0.0, difference @ np.linalg.solve(matrix, difference))))
 
 
 def _g(w: FloatArray, x: FloatArray, lam: float) -> FloatArray:

@@ -123,6 +123,13 @@ class TabularMDP:
             return self.reward
         return np.asarray(np.einsum("sap,sap->sa", self.transitions, self.reward))
 
+    def realised_rewards(self, states: ArrayLike, actions: ArrayLike, arrivals: ArrayLike) -> FloatArray:
+        """Rewards of transitions s, a -> s', element by element, in whichever form the reward was given."""
+        index: tuple[ArrayLike, ...] = ((arrivals,), (states, actions), (states, actions, arrivals))[
+            self.reward.ndim - 1
+        ]
+        return np.asarray(self.reward[index])
+
     @classmethod
     def from_gymnasium(cls, environment: Any, horizon: int | None = None) -> TabularMDP:
         """The MDP behind a Gymnasium environment that has a transition table (``bridge_algos.envs.from_gymnasium``)."""

@@ -17,7 +17,10 @@ from bridge_algos.policies import action_probabilities, check_actions
 from bridge_theory.errors import InputError
 
 BLOCK = 1024
-"""Policies per batched matrix product: their kernels (BLOCK, S, S) should stay in the processor's cache."""
+"""Policies worked on at a time, at most."""
+
+CACHED_ENTRIES = 2**16
+"""Numbers (policies, S, S) worked on at a time, so that they stay in the processor's cache."""
 
 
 def blocks(policies: IntArray, n_states: int, n_actions: int) -> Iterator[tuple[slice, IntArray]]:
@@ -27,7 +30,7 @@ def blocks(policies: IntArray, n_states: int, n_actions: int) -> Iterator[tuple[
             f"a batch of policies has shape {policies.shape} of {policies.dtype}, expected integers (N, {n_states})."
         )
     check_actions(policies, n_actions)
-    size = max(1, min(BLOCK, BLOCK * 256 // n_states**2))
+    size = max(1, min(BLOCK, CACHED_ENTRIES // n_states**2))
     for start in range(0, len(policies), size):
         yield slice(start, start + size), policies[start : start + size]
 
@@ -42,12 +45,17 @@ def state_occupancies(dynamics: Dynamics, policies: IntArray) -> FloatArray:
         (N, H, S) array d_h(s); each (H, S) slice has rows that sum to one.
     """
     n, n_states = policies.shape
-    kernels = dynamics.transitions[np.arange(n_states), policies]
-    occupancy = np.empty((n, dynamics.horizon, n_states))
-    occupancy[:, 0] = dynamics.initial
+    n_actions = dynamics.n_actions
+    kernel = dynamics.transitions.reshape(n_states * n_actions, n_states)
+    # One product of (N, S A) pair occupancies with the whole kernel beats N small products with the policies' kernels.
+    chosen = np.arange(n * n_states).reshape(n, n_states) * n_actions + policies
+    pairs = np.zeros((n, n_states * n_actions))
+    occupancy = np.empty((dynamics.horizon, n, n_states))
+    occupancy[0] = dynamics.initial
     for h in range(1, dynamics.horizon):
-        np.matmul(occupancy[:, None, h - 1], kernels, out=occupancy[:, None, h])
-    return occupancy
+        pairs.reshape(-1)[chosen] = occupancy[h - 1]
+        np.matmul(pairs, kernel, out=occupancy[h])
+    return occupancy.swapaxes(0, 1)
 
 
 def state_action_occupancies(dynamics: Dynamics, policy: ArrayLike) -> FloatArray:

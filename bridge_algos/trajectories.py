@@ -69,13 +69,7 @@ def sample_trajectories(mdp: TabularMDP, policy: ArrayLike, n: int, rng: np.rand
         rng: the source of all randomness.
     """
     states, actions, arrivals = sample_paths(mdp.dynamics, policy, n, rng)
-    if mdp.reward.ndim == 1:
-        rewards = mdp.reward[arrivals]
-    elif mdp.reward.ndim == 2:
-        rewards = mdp.reward[states, actions]
-    else:
-        rewards = mdp.reward[states, actions, arrivals]
-    return Trajectories(states, actions, rewards)
+    return Trajectories(states, actions, mdp.realised_rewards(states, actions, arrivals))
 
 
 def sample_paths(
@@ -83,14 +77,16 @@ def sample_paths(
 ) -> tuple[IntArray, IntArray, IntArray]:
     """States s_1..s_H, actions a_1..a_H and arrivals s_2..s_{H+1}, each (n, H)."""
     horizon = dynamics.horizon
-    choice = _cumulative(action_probabilities(policy, dynamics.n_states, dynamics.n_actions, horizon))
+    probabilities = action_probabilities(policy, dynamics.n_states, dynamics.n_actions, horizon)
+    deterministic = np.asarray(policy).dtype.kind in "iu"
+    table = probabilities.argmax(axis=2) if deterministic else _cumulative(probabilities)
     kernel = _cumulative(dynamics.transitions)
     start = _cumulative(dynamics.initial)
     states, actions, arrivals = (np.empty((n, horizon), dtype=np.int64) for _ in range(3))
     current = np.searchsorted(start, rng.random(n), side="right")
     for h in range(horizon):
         states[:, h] = current
-        actions[:, h] = _draw(choice[h, current], rng)
+        actions[:, h] = table[h, current] if deterministic else _draw(table[h, current], rng)
         current = _draw(kernel[current, actions[:, h]], rng)
         arrivals[:, h] = current
     return states, actions, arrivals

@@ -1,10 +1,10 @@
 """``make bench``: exact mode against sampled mode, in one run on one machine, and the goals they should meet.
 
-"Step by step" is the paper's way (appendix "Discrete implementation"): one trajectory at a time, one
-``Generator.choice`` a step, 100 rollouts a policy, 1000 rollouts each to evaluate the greedy policy and the expert, ten
-Adam steps, a projection by SLSQP with finite differences. Rollouts are timed on a few policies and scaled to all (the
-cost is linear in their number); fit and projection are timed whole; filter and pair are left out. "Vectorised" is this
-package's own sampled mode, which draws all rollouts of a policy at once.
+"Step by step" is the paper's way (appendix "Discrete implementation"): one trajectory at a time through the ``step`` of
+the Gymnasium environment, 100 rollouts a policy, 1000 rollouts each to evaluate the greedy policy and the expert, ten
+Adam steps, a projection by SLSQP with finite differences, and the set Pi_t and the pair by comparing each policy with
+all others. Rollouts and comparisons are timed on a few policies and scaled to all of them; fit and projection are timed
+whole. "Vectorised" is this package's own sampled mode, which draws all rollouts of a policy at once.
 """
 
 from __future__ import annotations
@@ -20,8 +20,9 @@ import scipy.optimize
 from threadpoolctl import threadpool_limits
 
 from bridge_algos.embeddings import Embedding, make_embedding
+from bridge_algos.envs.gymnasium_env import TabularEnv
 from bridge_algos.envs.registry import make_mdp
-from bridge_algos.mdp import Dynamics, FloatArray, IntArray
+from bridge_algos.mdp import FloatArray, IntArray, TabularMDP
 from bridge_algos.offline.policy_set import PolicySet
 from bridge_algos.online.oracles import sigmoid
 from bridge_algos.online.policy_filter import surviving, widest_pair
@@ -84,10 +85,11 @@ def _rounds(repetitions: int) -> list[Row]:
         sampled = _seconds_per_round(config.but(rollouts=ROLLOUTS, rounds=3))
         mdp = make_mdp(environment)
         phi = make_embedding(embedding, mdp.n_states, mdp.n_actions, mdp.horizon)
-        per_policy, per_round = _paper_costs(mdp.dynamics, phi)
+        rollouts, per_round = _paper_costs(mdp, phi)
         for name, goal in (("bridge", 300), ("pbrl", 3000)):
             seconds, policies = exact[name]
-            paper = per_policy * (policies + 2 * EVALUATION_ROLLOUTS / ROLLOUTS) + per_round
+            comparing = 2 * policies * _comparison_cost(policies, phi.dimension)
+            paper = rollouts * (policies + 2 * EVALUATION_ROLLOUTS / ROLLOUTS) + comparing + per_round
             rows += [
                 Row(f"{environment} {name} round, {policies} policies, exact", 1e3 * seconds, unit="ms"),
                 Row(f"  the paper's way, step by step ({paper:.2f} s) / exact", paper / seconds, goal),
@@ -109,11 +111,13 @@ def _seconds_per_round(config: RunConfig) -> dict[str, tuple[float, int]]:
     }
 
 
-def _paper_costs(dynamics: Dynamics, phi: Embedding) -> tuple[float, float]:
+def _paper_costs(mdp: TabularMDP, phi: Embedding) -> tuple[float, float]:
     """Seconds a policy (rollouts one step at a time) and seconds a round (fit and projection) in the paper's way."""
     rng = np.random.default_rng(0)
-    policies = random_policies(3, dynamics.n_states, dynamics.n_actions, rng)
-    features = _seconds(lambda: [_rollouts_step_by_step(dynamics, policy, phi, rng) for policy in policies], 1) / 3
+    policies = random_policies(3, mdp.n_states, mdp.n_actions, rng)
+    environment = TabularEnv(mdp)
+    environment.reset(seed=0)
+    features = _seconds(lambda: [_rollouts_step_by_step(environment, policy, phi) for policy in policies], 1) / 3
     x, outcomes = _preferences(120, phi.dimension, rng)
     matrix = np.eye(phi.dimension) + x.T @ x
 
@@ -129,18 +133,30 @@ def _paper_costs(dynamics: Dynamics, phi: Embedding) -> tuple[float, float]:
     return features, _seconds(fit_and_project, 3)
 
 
-def _rollouts_step_by_step(
-    dynamics: Dynamics, policy: IntArray, phi: Embedding, rng: np.random.Generator
-) -> FloatArray:
+def _comparison_cost(n: int, d: int) -> float:
+    """Seconds to compare one of n policies with all others, by the definition of Pi_t."""
+    rng = np.random.default_rng(4)
+    features, inverse, w, bonus = rng.normal(size=(n, d)), np.eye(d), rng.normal(size=d), rng.random(n)
+
+    def compare() -> bool:
+        difference = features[0] - features
+        norms = np.sqrt(np.einsum("nd,de,ne->n", difference, inverse, difference))
+        return bool((difference @ w + 0.2 * norms + bonus[0] + bonus >= 0).all())
+
+    return _seconds(compare, 5)
+
+
+def _rollouts_step_by_step(environment: TabularEnv, policy: IntArray, phi: Embedding) -> FloatArray:
     total = np.zeros(phi.dimension)
     for _ in range(ROLLOUTS):
         states, actions = [], []
-        state = int(rng.choice(dynamics.n_states, p=dynamics.initial))
-        for _ in range(dynamics.horizon):
+        state, _ = environment.reset()
+        truncated = False
+        while not truncated:
             action = int(policy[state])
             states.append(state)
             actions.append(action)
-            state = int(rng.choice(dynamics.n_states, p=dynamics.transitions[state, action]))
+            state, _, _, truncated, _ = environment.step(action)
         total += phi.of_trajectories(Trajectories(np.array([states]), np.array([actions])))[0]
     return total / ROLLOUTS
 

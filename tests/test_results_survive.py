@@ -62,7 +62,9 @@ def test_a_killed_run_resumes_to_the_same_numbers(tmp_path: Path) -> None:
     whole = run(config, tmp_path / "whole", seeds=6)
     directory = tmp_path / "killed"
     program = (
-        "from pathlib import Path\nfrom bridge_algos.run.config import preset\nfrom bridge_algos.run.runner import run\n"
+        "from pathlib import Path\n"
+        "from bridge_algos.run.config import preset\n"
+        "from bridge_algos.run.runner import run\n"
         f"run(preset('published', 'starmdp').but(rounds=40), Path({str(directory)!r}), seeds=6)"
     )
     process = subprocess.Popen([sys.executable, "-c", program], cwd=ROOT)

@@ -72,7 +72,12 @@ class TabularEnv(gymnasium.Env):  # type: ignore[misc]
         return {
             state: {
                 action: [
-                    (float(kernel[state, action, target]), target, reward_of(mdp, state, action, target), False)
+                    (
+                        float(kernel[state, action, target]),
+                        target,
+                        float(mdp.realised_rewards(state, action, target)),
+                        False,
+                    )
                     for target in np.flatnonzero(kernel[state, action]).tolist()
                 ]
                 for action in range(mdp.n_actions)
@@ -93,7 +98,7 @@ class TabularEnv(gymnasium.Env):  # type: ignore[misc]
             raise InputError(f"action is {action!r}, expected a whole number in 0..{self.mdp.n_actions - 1}.")
         law = self.mdp.transitions[self.state, action]
         target = _draw(law, self.np_random)
-        self.last_reward = reward_of(self.mdp, self.state, int(action), target)
+        self.last_reward = float(self.mdp.realised_rewards(self.state, int(action), target))
         self.state, self.last_action = target, int(action)
         self.steps += 1
         return target, self.last_reward, False, self.steps == self.horizon, {"prob": float(law[target])}
@@ -108,12 +113,6 @@ class TabularEnv(gymnasium.Env):  # type: ignore[misc]
 
         frame = (self.mdp, self.state, self.last_action, self.last_reward, self.steps)
         return render_text.draw(*frame) if self.render_mode == "ansi" else render_image.draw(*frame)
-
-
-def reward_of(mdp: TabularMDP, state: int, action: int, target: int) -> float:
-    """The reward of one transition, whichever of its three shapes the MDP's reward has."""
-    index = ((target,), (state, action), (state, action, target))[mdp.reward.ndim - 1]
-    return float(mdp.reward[index])
 
 
 def _draw(law: NDArray[np.float64], rng: np.random.Generator) -> int:

@@ -9,7 +9,6 @@ bonuses b, the set is (lem:online_confidence_set)
 from __future__ import annotations
 
 import numpy as np
-import scipy.linalg
 
 from bridge_algos.mdp import FloatArray
 
@@ -18,8 +17,7 @@ TILE = 64
 
 def whiten(features: FloatArray, matrix: FloatArray) -> FloatArray:
     """Rows z with ||z_i - z_j||_2 = ||phi_i - phi_j||_{V^{-1}}."""
-    root = scipy.linalg.cholesky(matrix, lower=True)
-    return np.asarray(scipy.linalg.solve_triangular(root, features.T, lower=True).T)
+    return np.asarray(features @ np.linalg.inv(np.linalg.cholesky(matrix)).T)
 
 
 def surviving(
@@ -43,22 +41,36 @@ def surviving(
     """
     others = z if challengers is None else challengers
     order = np.argsort(-lower, kind="stable")
-    slack = 1e-12 * (1 + max(float(np.abs(upper).max()), float(np.abs(lower).max())))
+    upper, lower = upper - upper.mean(), lower - upper.mean()
+    lower = lower - 1e-12 * (1 + max(float(np.abs(upper).max()), float(np.abs(lower).max())))
     origin = z.mean(axis=0)
-    squared = _SquaredDistances(gamma * (z - origin), gamma * (others - origin))
-    threshold, reach = lower - slack, upper
+    left, right = _excess_factors(upper, gamma * (z - origin), lower[order], gamma * (others[order] - origin))
+    lower = lower[order]
     kept = np.ones(len(z), dtype=bool)
     open_ = np.arange(len(z))
     for start in range(0, len(order), TILE):
-        tile = order[start : start + TILE]
-        open_ = open_[kept[open_] & (reach[open_] < threshold[tile[0]])]
-        for part in (open_[i : i + TILE] for i in range(0, len(open_), TILE)):
-            needed = threshold[tile] - reach[part, None]
-            np.maximum(needed, 0, out=needed)
-            np.square(needed, out=needed)
-            needed -= squared.above(part, tile)
-            kept[part[needed.max(axis=1) > 0]] = False
+        tile = slice(start, start + TILE)
+        open_ = open_[kept[open_] & (upper[open_] < lower[start])]
+        if not len(open_):
+            break
+        ahead = upper[open_] < lower[tile][-1]
+        excess = left[open_] @ right[tile].T
+        partly = np.flatnonzero(~ahead)
+        excess[partly] = np.where(lower[tile] > upper[open_[partly], None], excess[partly], -1.0)
+        kept[open_[excess.max(axis=1) > 0]] = False
     return kept
+
+
+def _excess_factors(
+    upper: FloatArray, a: FloatArray, lower: FloatArray, b: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Matrices whose product is (lower_j - upper_i)^2 - ||a_i - b_j||^2, less an allowance for its rounding."""
+    squares_a, squares_b = (a**2).sum(axis=1), (b**2).sum(axis=1)
+    largest = squares_a.max() + squares_b.max() + (upper**2).max() + (lower**2).max()
+    allowance = 8 * np.finfo(float).eps * (a.shape[1] + 4) * largest
+    left = np.column_stack([2 * a, -2 * upper, np.ones(len(a)), upper**2 - squares_a])
+    right = np.column_stack([b, lower, lower**2 - squares_b - allowance, np.ones(len(b))])
+    return left, right
 
 
 def widest_pair(z: FloatArray, gamma: float, bonus: FloatArray) -> tuple[int, int]:
@@ -89,16 +101,3 @@ def widest_pair(z: FloatArray, gamma: float, bonus: FloatArray) -> tuple[int, in
 def _distances(a: FloatArray, b: FloatArray) -> FloatArray:
     squared = (a**2).sum(axis=1)[:, None] + (b**2).sum(axis=1) - 2 * (a @ b.T)
     return np.asarray(np.sqrt(np.maximum(squared, 0)))
-
-
-class _SquaredDistances:
-    """Upper values of ||a_i - b_j||^2 by one matrix product per tile: rows (a, |a|^2, 1) times (-2 b, 1, |b|^2)."""
-
-    def __init__(self, a: FloatArray, b: FloatArray) -> None:
-        squares_a, squares_b = (a**2).sum(axis=1), (b**2).sum(axis=1)
-        allowance = 8 * np.finfo(float).eps * (a.shape[1] + 2) * (squares_a.max() + squares_b.max())
-        self._left = np.column_stack([a, squares_a, np.ones(len(a))])
-        self._right = np.column_stack([-2 * b, np.ones(len(b)), squares_b + allowance])
-
-    def above(self, rows: np.ndarray, columns: np.ndarray) -> FloatArray:
-        return np.asarray(self._left[rows] @ self._right[columns].T)

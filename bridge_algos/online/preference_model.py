@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.linalg
+import scipy.optimize
 
 from bridge_algos.mdp import FloatArray
 from bridge_algos.online.oracles import sigmoid
@@ -129,19 +130,14 @@ def _loss(w: FloatArray, x: FloatArray, outcomes: FloatArray, lam: float) -> flo
 
 
 def _least_squares_in_ball(a: FloatArray, b: FloatArray, radius: float) -> FloatArray:
-    """argmin ||a v - b|| over ||v|| <= radius, by the secular equation in the singular basis of ``a``."""
+    """argmin ||a v - b|| over ||v|| <= radius, ``a`` regular, by the secular equation in its singular basis."""
     left, singular, right = np.linalg.svd(a)
     projected = singular * (left.T @ b)
 
     def norm(mu: float) -> float:
         return float(np.linalg.norm(projected / (singular**2 + mu)))
 
-    if singular.min() > 0 and norm(0.0) <= radius:
+    if norm(0.0) <= radius:
         return np.asarray(right.T @ (projected / singular**2))
-    low, high = 0.0, float(np.linalg.norm(projected)) / radius
-    for _ in range(200):
-        middle = (low + high) / 2
-        if middle in (low, high):
-            break
-        low, high = (middle, high) if norm(middle) > radius else (low, middle)
-    return np.asarray(right.T @ (projected / (singular**2 + high)))
+    mu = scipy.optimize.brentq(lambda m: norm(m) - radius, 0.0, float(np.linalg.norm(projected)) / radius)
+    return np.asarray(right.T @ (projected / (singular**2 + mu)))

@@ -21,7 +21,8 @@ from itertools import count
 import numpy as np
 
 from bridge_algos.evaluation import expected_next_value, expected_return, rounding_allowance
-from bridge_algos.expert.stationary import BoolArray, StationaryOptimum, relevant_actions
+from bridge_algos.expert.choices import BoolArray, relevant_actions
+from bridge_algos.expert.stationary_optimum import StationaryOptimum
 from bridge_algos.mdp import FloatArray, IntArray, TabularMDP
 from bridge_theory.errors import InputError
 

@@ -50,8 +50,8 @@ def enumerate_stationary(mdp: TabularMDP) -> StationaryOptimum:
     counts, count = allowed.sum(axis=1), count_choices(allowed)
     if count > ENUMERATION_LIMIT:
         raise InputError(
-            f"the MDP {mdp.name!r} has at least 10^{len(str(count)) - 1} different stationary policies, expected at most "
-            f"{ENUMERATION_LIMIT} for enumeration; use branch_and_bound."
+            f"the MDP {mdp.name!r} has at least 10^{len(str(count)) - 1} different stationary policies, expected at "
+            f"most {ENUMERATION_LIMIT} for enumeration; use branch_and_bound."
         )
     # Row s lists the allowed actions of state s first, in increasing order.
     actions = np.argsort(~allowed, axis=1, kind="stable")

@@ -11,11 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bridge_algos.mdp import FloatArray, TabularMDP
-from bridge_algos.policies import action_probabilities, check_actions
-from bridge_theory.errors import InputError
-
-BLOCK = 1024
-"""Policies evaluated together: their action values fit into the cache for the paper's environments."""
+from bridge_algos.occupancy import blocks
+from bridge_algos.policies import action_probabilities
 
 
 def expected_return(mdp: TabularMDP, policy: ArrayLike) -> float:
@@ -48,22 +45,14 @@ def expected_returns(mdp: TabularMDP, policies: ArrayLike) -> FloatArray:
     >>> expected_returns(mdp, [[0, 0], [1, 0]])
     array([0., 3.])
     """
-    array = np.asarray(policies)
-    if array.ndim != 2 or array.shape[1] != mdp.n_states or array.dtype.kind not in "iu":
-        raise InputError(
-            f"policies has shape {array.shape} of {array.dtype}, expected integers of shape (N, {mdp.n_states}); "
-            "use expected_return for stochastic or time-dependent policies."
-        )
-    check_actions(array, mdp.n_actions)
+    array, states = np.asarray(policies), np.arange(mdp.n_states)
     returns = np.empty(len(array))
-    for start in range(0, len(array), BLOCK):
-        block = array[start : start + BLOCK]
-        reward = mdp.expected_reward[np.arange(mdp.n_states), block]
+    for part, block in blocks(array, mdp.n_states, mdp.n_actions):
+        kernels, reward = mdp.transitions[states, block], mdp.expected_reward[states, block]
         values = np.zeros_like(reward)
         for _ in range(mdp.horizon):
-            following = np.take_along_axis(expected_next_value(mdp, values), block[..., None], axis=-1)
-            values = reward + following[..., 0]
-        returns[start : start + BLOCK] = values @ mdp.initial
+            values = reward + np.matmul(kernels, values[..., None])[..., 0]
+        returns[part] = values @ mdp.initial
     return returns
 
 

@@ -8,7 +8,7 @@ from random_mdps import contested_mdp, parting_gift, random_mdp, random_mdps
 
 from bridge_algos.evaluation import expected_return, expected_returns
 from bridge_algos.expert import backward_induction, best_stationary, branch_and_bound, enumerate_stationary, stationary
-from bridge_algos.expert.stationary import count_choices, reachable_states, relevant_actions
+from bridge_algos.expert.choices import count_choices, reachable_states, relevant_actions
 from bridge_algos.mdp import TabularMDP
 from bridge_algos.policies import all_policies
 from bridge_theory.errors import InputError

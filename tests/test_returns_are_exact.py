@@ -8,8 +8,9 @@ import pytest
 from hypothesis import given, settings
 from random_mdps import parting_gift, random_mdp, random_mdps
 
-from bridge_algos.evaluation import BLOCK, expected_return, expected_returns, rounding_allowance
+from bridge_algos.evaluation import expected_return, expected_returns, rounding_allowance
 from bridge_algos.mdp import TabularMDP
+from bridge_algos.occupancy import BLOCK
 from bridge_algos.policies import action_probabilities, random_policies
 from bridge_theory.errors import InputError
 

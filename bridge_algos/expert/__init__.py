@@ -5,7 +5,8 @@ from bridge_algos.expert.certificate import Certificate
 from bridge_algos.expert.dynamic_programming import backward_induction, policy_iteration
 from bridge_algos.expert.experts import KINDS, Expert, make_expert
 from bridge_algos.expert.linear_program import SolverError
-from bridge_algos.expert.stationary import StationaryOptimum, best_stationary, enumerate_stationary
+from bridge_algos.expert.stationary import best_stationary, enumerate_stationary
+from bridge_algos.expert.stationary_optimum import StationaryOptimum
 
 __all__ = [
     "KINDS",

@@ -21,7 +21,8 @@ from itertools import count
 import numpy as np
 
 from bridge_algos.evaluation import expected_next_value, expected_return, rounding_allowance
-from bridge_algos.expert.stationary import BoolArray, StationaryOptimum, relevant_actions
+from bridge_algos.expert.choices import BoolArray, relevant_actions
+from bridge_algos.expert.stationary_optimum import StationaryOptimum
 from bridge_algos.mdp import FloatArray, IntArray, TabularMDP
 from bridge_theory.errors import InputError
 
@@ -53,7 +54,8 @@ def branch_and_bound(mdp: TabularMDP, node_limit: int | None = None) -> Stationa
     allowance = rounding_allowance(mdp)
     root = relevant_actions(mdp)
     bound, best = _round(mdp, root)
-    value, solved, order = expected_return(mdp, best), 1, count()
+    value = expected_return(mdp, best)
+    solved, order = 1, count()
     queue = [(-bound, next(order), root)]
     # A computed bound and a computed return err by at most the allowance each.
     while queue and -queue[0][0] > value + 2 * allowance:
@@ -64,9 +66,7 @@ def branch_and_bound(mdp: TabularMDP, node_limit: int | None = None) -> Stationa
             heapq.heappush(queue, (negated, next(order), allowed))
             break
         solved += cost
-        _, candidate = _round(mdp, allowed)
-        if (found := expected_return(mdp, candidate)) > value:
-            best, value = candidate, found
+        best, value = _better(mdp, best, value, _round(mdp, allowed)[1])
         probes = np.where(allowed, -negated, -np.inf)
         probes[undecided] = np.minimum(probes[undecided], _probe(mdp, allowed, undecided))
         node_bound = float(probes.max(axis=1).min())
@@ -75,9 +75,7 @@ def branch_and_bound(mdp: TabularMDP, node_limit: int | None = None) -> Stationa
             continue
         if not (choices := np.flatnonzero(left.sum(axis=1) > 1)).size:
             # One policy is left and probes bound it from above only: its return settles the node.
-            candidate = np.argmax(left, axis=1)
-            if (found := expected_return(mdp, candidate)) > value:
-                best, value = candidate, found
+            best, value = _better(mdp, best, value, np.argmax(left, axis=1))
             continue
         state = choices[_expected_size(probes[choices] - value, left[choices]).argmin()]
         for action in np.flatnonzero(left[state]):
@@ -93,6 +91,12 @@ def branch_and_bound(mdp: TabularMDP, node_limit: int | None = None) -> Stationa
         method="branch and bound",
         evaluations=solved,
     )
+
+
+def _better(mdp: TabularMDP, best: IntArray, value: float, candidate: IntArray) -> tuple[IntArray, float]:
+    """The best policy known and its return, after looking at a candidate."""
+    found = expected_return(mdp, candidate)
+    return (candidate, found) if found > value else (best, value)
 
 
 def _round(mdp: TabularMDP, allowed: BoolArray) -> tuple[float, IntArray]:

@@ -15,7 +15,8 @@ from bridge_algos.evaluation import expected_return, rounding_allowance
 from bridge_algos.expert.certificate import Certificate, certify_discounted, certify_finite_horizon
 from bridge_algos.expert.dynamic_programming import backward_induction, discounted_values, policy_iteration
 from bridge_algos.expert.linear_program import discounted_program, finite_horizon_program, solve_program
-from bridge_algos.expert.stationary import StationaryOptimum, best_stationary
+from bridge_algos.expert.stationary import best_stationary
+from bridge_algos.expert.stationary_optimum import StationaryOptimum
 from bridge_algos.mdp import FloatArray, IntArray, TabularMDP
 from bridge_theory.errors import InputError
 

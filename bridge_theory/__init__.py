@@ -57,6 +57,13 @@ from bridge_theory.regret.potential import (
     potential_factor,
 )
 from bridge_theory.regret.trivial import regret_diameter, regret_hindsight, regret_offline, regret_trivial, regret_width
+from bridge_theory.regret.unknown import gamma_true_bonus, regret_unknown_squared, regret_unknown_stated
+from bridge_theory.regret.unknown_repaired import (
+    radius_sum,
+    radius_sum_covered,
+    regret_unknown_covered,
+    regret_unknown_repaired,
+)
 from bridge_theory.setting import Setting
 
 __all__ = [
@@ -91,6 +98,7 @@ __all__ = [
     "expected_potential",
     "feature_difference_sum",
     "gamma_known",
+    "gamma_true_bonus",
     "gamma_unknown",
     "gamma_unknown_repaired",
     "kappa",
@@ -103,6 +111,8 @@ __all__ = [
     "offline_radius",
     "online_bonus_delta",
     "potential_factor",
+    "radius_sum",
+    "radius_sum_covered",
     "reach_size",
     "regret_diameter",
     "regret_hindsight",
@@ -120,6 +130,10 @@ __all__ = [
     "regret_regime_small_horizon",
     "regret_regime_transition",
     "regret_trivial",
+    "regret_unknown_covered",
+    "regret_unknown_repaired",
+    "regret_unknown_squared",
+    "regret_unknown_stated",
     "regret_width",
     "step_bonus_delta",
     "transition_bonus",

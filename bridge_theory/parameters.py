@@ -166,9 +166,19 @@ _ROWS = (
     Parameter("unvisited", "k", "states whose action was never recorded", COUNT, "states"),
     Parameter("counts", "N", "transition uses of each state-action cell", COUNT, "transitions", array=True),
     Parameter("visits", "N", "recorded actions in each (step, state) cell", COUNT, "actions", array=True),
-    Parameter("occupancy", r"d^{\pi}", "probability of each (step, state, action) cell, true dynamics", UNIT_INTERVAL, array=True),
     Parameter(
-        "occupancy_hat", r"\hat d^{\pi}", "probability of each (step, state, action) cell, estimate", UNIT_INTERVAL, array=True
+        "occupancy",
+        r"d^{\pi}",
+        "probability of each (step, state, action) cell, true dynamics",
+        UNIT_INTERVAL,
+        array=True,
+    ),
+    Parameter(
+        "occupancy_hat",
+        r"\hat d^{\pi}",
+        "probability of each (step, state, action) cell, estimate",
+        UNIT_INTERVAL,
+        array=True,
     ),
     Parameter("row_errors", "h", "squared Hellinger error of each cell's transition row", UNIT_INTERVAL, array=True),
     Parameter("singletons", "g", "demonstrations whose set of visited states no other one has", COUNT, "trajectories"),
@@ -232,6 +242,7 @@ _ROWS = (
         "width_sum", r"\sum_t\rho_t\|D_t\|_{V_t^{-1}}", "sum of the preference uncertainties played", NONNEGATIVE
     ),
     Parameter("bonus_sum", r"\sum_{i,t} b_t(\pi_t^i)", "sum of the bonuses of the policies played", NONNEGATIVE),
+    Parameter("potential", r"\sum_t\|D_t\|^2_{V_t^{-1}}", "sum of the squared data-matrix norms", NONNEGATIVE),
     Parameter("bonus_square_sum", r"\sum_{i,t} b_t(\pi_t^i)^2", "sum of the squared bonuses", NONNEGATIVE),
     Parameter("true_bonus", "B_t", "expected bonus under the true dynamics", NONNEGATIVE),
     Parameter("optimism", "o", "estimated advantage over the policies played plus its uncertainty", NONNEGATIVE),

@@ -116,7 +116,8 @@ def regret_unknown_squared(
     potential: Value, bonus_sum: Value,
 ) -> Value:  # fmt: skip
     r"""Statement: :math:`R_T\le2\gamma_T
-    \sqrt{T\sum_t\|\hat\phi_t(\pi_t^1)-\hat\phi_t(\pi_t^2)\|^2_{\overline V_t^{-1}}}+\sum_{i,t}\widehat B_t(\pi_t^i,4WB,\delta')` with ``gamma_unknown`` at ``T``.
+    \sqrt{T\sum_t\|\hat\phi_t(\pi_t^1)-\hat\phi_t(\pi_t^2)\|^2_{\overline V_t^{-1}}}
+    +\sum_{i,t}\widehat B_t(\pi_t^i,4WB,\delta')` with ``gamma_unknown`` at ``T``.
 
     Source: audit C.16: from :math:`2r_t\le4\gamma_t\|\cdot\|+4\widehat B(1)+4\widehat B(2)` at eta = 2WB, and
     linearity in eta. Assumptions: the five events. Arguments: as ``gamma_unknown``; ``potential`` >= 0 the sum of the

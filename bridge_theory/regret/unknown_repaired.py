@@ -154,7 +154,7 @@ def regret_unknown_repaired(
     m: Arithmetic, *, B: Value, W: Value, lam: Value, d: Value, S: Value, A: Value, H: Value, n: Value, T: Value,
     K: Value, delta_w: Value, delta_F: Value, delta_P: Value, delta_M: Value, Delta_n: Value,
 ) -> Value:  # fmt: skip
-    r"""Statement: with :math:`\kappa=2+2\cosh(2BW)`, R5's :math:`\beta_T,\Psi_T` and :math:`\Gamma_T` of ``radius_sum``,
+    r"""Statement: with :math:`\kappa=2+2\cosh(2BW)`, R5's :math:`\beta_T,\Psi_T`, and ``radius_sum`` :math:`\Gamma_T`,
 
     .. math:: R_T\le\min\Bigl\{2BWT\min(1,\Delta_n),\ 4\kappa\beta_T\sqrt{T\Psi_T}
        +\bigl(4\kappa\beta_TB/\sqrt{\kappa\lambda}+2BWH\bigr)\Gamma_T\Bigr\}.

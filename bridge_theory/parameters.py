@@ -167,13 +167,6 @@ _ROWS = (
     Parameter("counts", "N", "transition uses of each state-action cell", COUNT, "transitions", array=True),
     Parameter("visits", "N", "recorded actions in each (step, state) cell", COUNT, "actions", array=True),
     Parameter(
-        "occupancy",
-        r"d^{\pi}",
-        "probability of each (step, state, action) cell, true dynamics",
-        UNIT_INTERVAL,
-        array=True,
-    ),
-    Parameter(
         "occupancy_hat",
         r"\hat d^{\pi}",
         "probability of each (step, state, action) cell, estimate",

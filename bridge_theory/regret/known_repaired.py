@@ -34,7 +34,8 @@ _F_FALLS = falls("log(1/delta_F) falls")
 def expected_potential(m: Arithmetic, *, B: Value, W: Value, lam: Value, d: Value, T: Value, delta_F: Value) -> Value:
     r"""Statement: for all ``T``, with :math:`a=4B^2/(\kappa\lambda)` and expected feature differences :math:`D_t`,
 
-    .. math:: \sum_{t\le T}\|D_t\|^2_{V_t^{-1}}\le\Psi_T=\tfrac e{e-1}\bigl[c(a)\,d\log(1+4TB^2/(d\kappa\lambda))+a\log(1/\delta_F)\bigr].
+    .. math:: \sum_{t\le T}\|D_t\|^2_{V_t^{-1}}\le\Psi_T=\tfrac
+    e{e-1}\bigl[c(a)\,d\log(1+4TB^2/(d\kappa\lambda))+a\log(1/\delta_F)\bigr].
 
     Source: audit R5 (a supermartingale for variables in [0, 1], then R3). With several comparisons a round the first
     of each round gives it. Assumptions: bounded features. Arguments: ``B, W, lam`` > 0, ``d, T`` positive integers,

@@ -100,6 +100,19 @@ from bridge_theory.online.multiplier import (
 )
 from bridge_theory.online.norm_relation import alpha_dT, gamma_known, matrix_shift, norm_relation, norm_relation_sharp
 from bridge_theory.preference import kappa, kappa_differences
+from bridge_theory.regret.bonus_sums import (
+    bonus_sum_stated,
+    offline_bonus_log_term,
+    played_bonus_sum_stated,
+    squared_bonus_sum_stated,
+    squared_true_bonus_sum_stated,
+)
+from bridge_theory.regret.bonus_sums_repaired import (
+    bonus_sum_repaired,
+    martingale_repaired,
+    squared_bonus_sum_repaired,
+    squared_true_bonus_sum_repaired,
+)
 from bridge_theory.regret.known import (
     feature_difference_sum,
     regret_known_from_sum,
@@ -153,6 +166,8 @@ __all__ = [
     "beta_repaired_logdet",
     "beta_t",
     "bonus_radius",
+    "bonus_sum_repaired",
+    "bonus_sum_stated",
     "concentrability_deterministic",
     "concentrability_sharp",
     "concentrability_stated",
@@ -196,6 +211,7 @@ __all__ = [
     "hellinger_from_kl_with_exits",
     "kappa",
     "kappa_differences",
+    "martingale_repaired",
     "matrix_shift",
     "mean_difference_sharp",
     "mean_difference_stated",
@@ -212,6 +228,7 @@ __all__ = [
     "net_scale",
     "norm_relation",
     "norm_relation_sharp",
+    "offline_bonus_log_term",
     "offline_radius",
     "offline_radius_appendix",
     "offline_radius_closed",
@@ -222,6 +239,7 @@ __all__ = [
     "offline_radius_repaired_angle",
     "offline_radius_stochastic",
     "online_bonus_delta",
+    "played_bonus_sum_stated",
     "policy_error_corollary",
     "policy_error_covering",
     "policy_error_finite",
@@ -256,6 +274,10 @@ __all__ = [
     "regret_width",
     "row_error_at_step",
     "row_error_summed",
+    "squared_bonus_sum_repaired",
+    "squared_bonus_sum_stated",
+    "squared_true_bonus_sum_repaired",
+    "squared_true_bonus_sum_stated",
     "step_bonus_delta",
     "trajectory_error_one_sided",
     "trajectory_error_stated",

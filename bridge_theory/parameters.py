@@ -77,11 +77,11 @@ class Parameter:
     def exact(self, value: Given) -> Stored:
         """The value as an exact number (floats are the binary number they are, strings the decimal they show)."""
         if not self.array:
-            return self._checked(_to_exact(self.name, value))
+            return self._checked(to_exact(self.name, value))
         if isinstance(value, str) or not isinstance(value, Iterable):
             raise InputError(f"{self.name} = {value!r} is one number; pass an array with one entry per cell")
         entries = tuple(
-            self._checked(_to_exact(self.name, entry)) for entry in np.ravel(np.asarray(list(value), object))
+            self._checked(to_exact(self.name, entry)) for entry in np.ravel(np.asarray(list(value), object))
         )
         if not entries:
             raise InputError(f"{self.name} is empty; pass an array with one entry per cell")
@@ -90,7 +90,7 @@ class Parameter:
     def floats(self, value: object) -> FloatArray:
         """The value as float64, a scalar or an array to broadcast; every entry inside the domain."""
         if isinstance(value, str):
-            value = _to_exact(self.name, value)
+            value = to_exact(self.name, value)
         if isinstance(value, Fraction | Decimal):
             value = float(value)
         try:
@@ -111,7 +111,12 @@ class Parameter:
         return f"{self.domain.describe(self.name)} ({self.meaning})"
 
 
-def _to_exact(name: str, value: object) -> Exact:
+def to_exact(name: str, value: object) -> Exact:
+    """An exact number from what a user wrote; a float is the binary number it is, a string the decimal it shows.
+
+    >>> to_exact("delta", "0.05"), to_exact("n", 3.0)
+    (Fraction(1, 20), 3)
+    """
     try:
         if isinstance(value, bool | np.bool_):
             raise TypeError
@@ -215,6 +220,7 @@ _ROWS = (
     Parameter("ratio", r"\max \widehat m/N", "largest expected visits per recorded use", NONNEGATIVE),
     # online
     Parameter("lam", r"\lambda", "regularisation of the preference estimate", POSITIVE),
+    Parameter("delta_martingale", r"\delta'", "failure probability of a martingale bound", PROBABILITY_OPEN),
     Parameter("K", "K", "comparisons per round", POSITIVE_INTEGER, "comparisons"),
     Parameter("N", "N", "observed transitions out of a state-action pair", COUNT, "transitions"),
     Parameter("eta", r"\eta", "bound on the size of the function whose expectation the bonus corrects", POSITIVE),

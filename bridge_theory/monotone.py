@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import inspect
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -14,6 +15,12 @@ class Monotone:
     direction: Literal["rises", "falls"]
     because: str
     where: Callable[..., Any] | None = None
+
+    def holds(self, values: Mapping[str, Any]) -> bool:
+        """Whether the direction is claimed at these values of the other parameters."""
+        if self.where is None:
+            return True
+        return bool(self.where(**{name: values[name] for name in inspect.signature(self.where).parameters}))
 
 
 def rises(because: str, *, where: Callable[..., Any] | None = None) -> Monotone:

@@ -62,7 +62,7 @@ class Bound(Formula):
         if missing:
             raise InputError(f"{self.name} needs {', '.join(missing)}; add them to the setting")
         exact = {name: known[name] for name in self.parameters}
-        self._check_conditions(exact)
+        self.check_conditions(exact)
         return BoundValue(self, exact)
 
     def _repr_html_(self) -> str:

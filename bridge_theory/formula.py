@@ -67,7 +67,7 @@ class Formula:
         """
         self._check_names(values)
         floats = {name: parameter(name).floats(value) for name, value in values.items()}
-        self._check_conditions(floats)
+        self.check_conditions(floats)
         with np.errstate(all="ignore"):  # branches that are not taken may overflow
             outcome = self(FLOATS, **floats)
         return np.float64(outcome) if np.ndim(outcome) == 0 else np.asarray(outcome)
@@ -85,7 +85,7 @@ class Formula:
             raise InputError(self._names_message(unknown, set()))
         exact = {name: parameter(name).exact(value) for name, value in values.items()}
         if len(exact) == len(self.parameters):
-            self._check_conditions(exact)
+            self.check_conditions(exact)
         arguments = {
             name: symbol_for(name) if name not in exact else _sympy_number(SYMBOLS.number, exact[name])
             for name in self.parameters
@@ -102,7 +102,7 @@ class Formula:
         """All parameters as validated exact numbers; the formula's conditions hold."""
         self._check_names(values)
         exact = {name: parameter(name).exact(values[name]) for name in self.parameters}
-        self._check_conditions(exact)
+        self.check_conditions(exact)
         return exact
 
     def _check_names(self, values: Mapping[str, object]) -> None:
@@ -115,7 +115,8 @@ class Formula:
         parts += [f"needs {', '.join(name for name in self.parameters if name in missing)}"] if missing else []
         return f"{self.name} {' and '.join(parts)}; its parameters are {', '.join(self.parameters)}"
 
-    def _check_conditions(self, values: Mapping[str, object]) -> None:
+    def check_conditions(self, values: Mapping[str, object]) -> None:
+        """Raise the error of the first condition that some point violates."""
         for condition in self.conditions:
             condition.check(self.name, values)
 

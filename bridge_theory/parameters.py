@@ -77,11 +77,11 @@ class Parameter:
     def exact(self, value: Given) -> Stored:
         """The value as an exact number (floats are the binary number they are, strings the decimal they show)."""
         if not self.array:
-            return self._checked(_to_exact(self.name, value))
+            return self._checked(to_exact(self.name, value))
         if isinstance(value, str) or not isinstance(value, Iterable):
             raise InputError(f"{self.name} = {value!r} is one number; pass an array with one entry per cell")
         entries = tuple(
-            self._checked(_to_exact(self.name, entry)) for entry in np.ravel(np.asarray(list(value), object))
+            self._checked(to_exact(self.name, entry)) for entry in np.ravel(np.asarray(list(value), object))
         )
         if not entries:
             raise InputError(f"{self.name} is empty; pass an array with one entry per cell")
@@ -90,7 +90,7 @@ class Parameter:
     def floats(self, value: object) -> FloatArray:
         """The value as float64, a scalar or an array to broadcast; every entry inside the domain."""
         if isinstance(value, str):
-            value = _to_exact(self.name, value)
+            value = to_exact(self.name, value)
         if isinstance(value, Fraction | Decimal):
             value = float(value)
         try:
@@ -111,7 +111,12 @@ class Parameter:
         return f"{self.domain.describe(self.name)} ({self.meaning})"
 
 
-def _to_exact(name: str, value: object) -> Exact:
+def to_exact(name: str, value: object) -> Exact:
+    """An exact number from what a user wrote; a float is the binary number it is, a string the decimal it shows.
+
+    >>> to_exact("delta", "0.05"), to_exact("n", 3.0)
+    (Fraction(1, 20), 3)
+    """
     try:
         if isinstance(value, bool | np.bool_):
             raise TypeError
@@ -167,13 +172,6 @@ _ROWS = (
     Parameter("counts", "N", "transition uses of each state-action cell", COUNT, "transitions", array=True),
     Parameter("visits", "N", "recorded actions in each (step, state) cell", COUNT, "actions", array=True),
     Parameter(
-        "occupancy",
-        r"d^{\pi}",
-        "probability of each (step, state, action) cell, true dynamics",
-        UNIT_INTERVAL,
-        array=True,
-    ),
-    Parameter(
         "occupancy_hat",
         r"\hat d^{\pi}",
         "probability of each (step, state, action) cell, estimate",
@@ -222,6 +220,7 @@ _ROWS = (
     Parameter("ratio", r"\max \widehat m/N", "largest expected visits per recorded use", NONNEGATIVE),
     # online
     Parameter("lam", r"\lambda", "regularisation of the preference estimate", POSITIVE),
+    Parameter("delta_martingale", r"\delta'", "failure probability of a martingale bound", PROBABILITY_OPEN),
     Parameter("K", "K", "comparisons per round", POSITIVE_INTEGER, "comparisons"),
     Parameter("N", "N", "observed transitions out of a state-action pair", COUNT, "transitions"),
     Parameter("eta", r"\eta", "bound on the size of the function whose expectation the bonus corrects", POSITIVE),
@@ -242,6 +241,7 @@ _ROWS = (
         "width_sum", r"\sum_t\rho_t\|D_t\|_{V_t^{-1}}", "sum of the preference uncertainties played", NONNEGATIVE
     ),
     Parameter("bonus_sum", r"\sum_{i,t} b_t(\pi_t^i)", "sum of the bonuses of the policies played", NONNEGATIVE),
+    Parameter("potential", r"\sum_t\|D_t\|^2_{V_t^{-1}}", "sum of the squared data-matrix norms", NONNEGATIVE),
     Parameter("bonus_square_sum", r"\sum_{i,t} b_t(\pi_t^i)^2", "sum of the squared bonuses", NONNEGATIVE),
     Parameter("true_bonus", "B_t", "expected bonus under the true dynamics", NONNEGATIVE),
     Parameter("optimism", "o", "estimated advantage over the policies played plus its uncertainty", NONNEGATIVE),

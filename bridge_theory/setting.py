@@ -7,7 +7,7 @@ from fractions import Fraction
 from typing import Any
 
 from bridge_theory.errors import InputError
-from bridge_theory.parameters import Exact, Given, Stored, parameter, show
+from bridge_theory.parameters import Given, Stored, parameter, show
 
 
 class Setting(Mapping[str, "Stored"]):
@@ -69,18 +69,20 @@ class Setting(Mapping[str, "Stored"]):
         return f"${', '.join(f'{parameter(name).latex} = {show(value)}' for name, value in self.items())}$"
 
     def completed(self, spends: tuple[str, ...]) -> dict[str, Stored]:
-        """The values with two conventions applied where the user left them open.
+        """The values, with conventions where the user left something open.
 
-        Failure probabilities that are not given are equal parts of ``delta``; ``rows`` is ``S``, the expert's rows,
-        which are all that a deterministic expert uses.
+        ``delta1`` and ``delta2`` are halves of ``delta``, as in the paper's theorem; other failure probabilities that a
+        bound spends are equal parts of ``delta``; ``rows`` and ``S_reach`` are ``S``, which bounds what a deterministic
+        expert uses.
+
+        >>> Setting(S=5, delta="0.06").completed(("delta_off", "delta_w"))["delta_w"]
+        Fraction(3, 100)
         """
         values = dict(self._values)
         delta, states = values.get("delta"), values.get("S")
         if isinstance(delta, Fraction):
-            values.update({name: delta / len(spends) for name in spends if name not in values})
+            parts = {name: delta / len(spends) for name in spends} | {"delta1": delta / 2, "delta2": delta / 2}
+            values = {**parts, **values}
         if isinstance(states, int):
-            values.setdefault("rows", states)
+            values = {"rows": states, "S_reach": states, **values}
         return values
-
-
-__all__ = ["Exact", "Setting"]

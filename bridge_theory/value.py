@@ -85,9 +85,7 @@ class BoundValue:
             return enclose(lambda: call_with(total, BALLS, ball_arguments(self.parameters)))
         if not self.bound.spends:
             return None
-        return enclose(
-            lambda: sum((BALLS.number(self.parameters[name]) for name in self.bound.spends), start=BALLS.number(0))
-        )
+        return enclose(self._spent)
 
     @property
     def words(self) -> str:
@@ -113,6 +111,10 @@ class BoundValue:
     def _repr_latex_(self) -> str:
         shown = ", ".join(f"{parameter(name).latex} = {show(value)}" for name, value in self.parameters.items())
         return rf"${self.bound.symbol} \in [{self.enclosure.lower!r}, {self.enclosure.upper!r}] \quad ({shown})$"
+
+    def _spent(self) -> Ball:
+        arguments = ball_arguments(self.parameters)
+        return sum((arguments[name] for name in self.bound.spends), start=BALLS.number(0))
 
     def _outcome(self) -> Any:
         return self.bound.function(BALLS, **ball_arguments(self.parameters))

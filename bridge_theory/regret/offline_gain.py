@@ -206,7 +206,7 @@ def exact_recovery_failure(m: Arithmetic, *, S_reach: Value, n: Value, gamma_min
     trivial=twice_range,
     spends=("delta_off",),
     words="the regret is at most {value}, whatever is played inside the offline set",
-    assumptions=(BOUNDED, IN_SET, _DETERMINISTIC, "the dynamics are known", "at least two states"),
+    assumptions=(BOUNDED, IN_SET, _DETERMINISTIC, "the dynamics are known"),
     monotone={
         "B": rises("it multiplies"),
         "W": rises("it multiplies"),

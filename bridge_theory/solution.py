@@ -1,0 +1,61 @@
+"""The answer of ``solve_for``: a value, its two certificates, and what they mean in words."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from bridge_theory.bound import Bound
+from bridge_theory.enclosure import Enclosure
+from bridge_theory.parameters import Exact, Stored, parameter, show
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """Where a bound meets a target.
+
+    ``status`` is ``found``, ``always`` (every searched value meets the target; ``value`` is the least favourable one)
+    or ``never``. ``meets`` encloses the bound at ``value``; ``fails`` encloses it at ``beyond``, the neighbour that
+    exceeds the target (None if that neighbour is outside the statement's conditions). ``excluded`` says whether all
+    values beyond were ruled out by interval arithmetic alone; otherwise they are by the declared monotonicity.
+    """
+
+    bound: Bound
+    name: str
+    target: Exact
+    others: Mapping[str, Stored]
+    status: Literal["found", "always", "never"]
+    value: Exact | None
+    meets: Enclosure | None
+    beyond: Exact | None
+    fails: Enclosure | None
+    excluded: bool
+    reason: str
+
+    @property
+    def words(self) -> str:
+        """The answer in one or two sentences."""
+        goal = f"{self.bound.name} <= {show(self.target)}"
+        if self.value is None:
+            return f"No {self.name} achieves {goal}: {self.reason}."
+        if self.status == "always":
+            return f"{goal} holds everywhere: {self.reason}."
+        side = "smallest" if self.bound.monotone[self.name].direction == "falls" else "largest"
+        direction = self.bound.monotone[self.name]
+        why = "interval arithmetic rules out all others" if self.excluded else f"by monotonicity: {direction.because}"
+        return f"{self.name} = {show(self.value)} is the {side} with {goal}: {self.reason} ({why})."
+
+    def __str__(self) -> str:
+        return self.words
+
+    def _repr_html_(self) -> str:
+        from bridge_theory.display import solution_html
+
+        return solution_html(self)
+
+    def _repr_latex_(self) -> str:
+        symbol = parameter(self.name).latex
+        if self.value is None:
+            return rf"${self.bound.symbol} > {show(self.target)} \text{{ for every }} {symbol}$"
+        return rf"${symbol} = {show(self.value)} \;\Rightarrow\; {self.bound.symbol} \le {show(self.target)}$"

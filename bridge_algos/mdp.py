@@ -20,6 +20,7 @@ ROW_SUM_TOLERANCE = 1e-9
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+Indices = IntArray | int
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,11 +124,9 @@ class TabularMDP:
             return self.reward
         return np.asarray(np.einsum("sap,sap->sa", self.transitions, self.reward))
 
-    def realised_rewards(self, states: ArrayLike, actions: ArrayLike, arrivals: ArrayLike) -> FloatArray:
+    def realised_rewards(self, states: Indices, actions: Indices, arrivals: Indices) -> FloatArray:
         """Rewards of transitions s, a -> s', element by element, in whichever form the reward was given."""
-        index: tuple[ArrayLike, ...] = ((arrivals,), (states, actions), (states, actions, arrivals))[
-            self.reward.ndim - 1
-        ]
+        index: tuple[Indices, ...] = ((arrivals,), (states, actions), (states, actions, arrivals))[self.reward.ndim - 1]
         return np.asarray(self.reward[index])
 
     @classmethod

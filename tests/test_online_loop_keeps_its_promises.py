@@ -17,9 +17,9 @@ def test_first_round_rules_nothing_out_and_bc_never_changes() -> None:
     result = run_seed(STAR, build_world(STAR), 0)
     assert result.set_size.sel(algorithm="pbrl")[0] == 1024
     assert result.set_size.sel(algorithm="bridge")[0] == result.offline_set_count
-    assert np.ptp(result.suboptimality.sel(algorithm="bc")) == 0
+    assert np.ptp(result.suboptimality.sel(algorithm="bc").values) == 0
     expected = result.attrs["expert_return"] - result.clone_return
-    assert result.suboptimality.sel(algorithm="bc")[0] == pytest.approx(float(expected))
+    assert float(result.suboptimality.sel(algorithm="bc")[0]) == pytest.approx(float(expected))
 
 
 @pytest.mark.parametrize("algorithms", [("bridge-known", "pbrl"), ("bridge", "pbrl")])
@@ -37,7 +37,7 @@ def test_theory_preset_keeps_the_optimum_and_never_has_negative_pseudo_regret(al
 
 def test_regret_is_not_clipped_when_the_expert_is_not_the_maximiser() -> None:
     """An expert that discounts strongly is beaten by the search, and the regret goes below zero."""
-    config = preset("published", "starmdp").but(discount=0.05, fit="exact", algorithms=("pbrl",), rounds=25)
+    config = preset("published", "chain").but(discount=0.05, fit="exact", algorithms=("pbrl",))
     world = build_world(config)
     assert world.expert.gap_to_stationary > 1
     result = run_seed(config, world, 0)
@@ -46,10 +46,11 @@ def test_regret_is_not_clipped_when_the_expert_is_not_the_maximiser() -> None:
 
 
 def test_exact_and_sampled_features_tell_the_same_story() -> None:
-    config = preset("published", "starmdp").but(rounds=3, algorithms=("bridge",))
+    config = STAR.but(rounds=3, algorithms=("bridge-known",), pair_rule="max_uncertainty")
     world = build_world(config)
     exact, sampled = (run_seed(config.but(rollouts=r), world, 1) for r in (None, 400))
     assert sampled.set_size[0, 0] == exact.set_size[0, 0]
+    assert float(exact.uncertainty[0, 0]) > 1
     assert float(sampled.uncertainty[0, 0]) == pytest.approx(float(exact.uncertainty[0, 0]), rel=0.2)
 
 

@@ -52,7 +52,7 @@ def fit_transition_mlp(
     for _ in range(steps):
         optimiser.zero_grad()
         loss = -(targets * log_kernel()).sum()
-        loss.backward()  # type: ignore[no-untyped-call]
+        loss.backward()
         optimiser.step()
     with torch.no_grad():
         kernel = log_kernel().exp().numpy().reshape(counts.shape)

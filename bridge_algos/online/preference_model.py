@@ -117,7 +117,7 @@ def project(w: FloatArray, x: FloatArray, lam: float, matrix: FloatArray, radius
 def projection_error(v: FloatArray, x: FloatArray, outcomes: FloatArray, lam: float, matrix: FloatArray) -> float:
     r"""The solver error :math:`e_t(v) = \|g(v) - \sum_l o_l x_l\|_{V^{-1}}` of audit R1 (0 at the exact optimum)."""
     difference = _g(v, x, lam) - x.T @ outcomes
-    return float(np.sqrt(max(0.0, difference @ np.linalg.solve(matrix, difference))))
+    return float(np.sqrt(max(0.0, float(difference @ np.linalg.solve(matrix, difference)))))
 
 
 def _g(w: FloatArray, x: FloatArray, lam: float) -> FloatArray:

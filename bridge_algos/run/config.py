@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any, get_args
 
@@ -26,17 +27,16 @@ _CHOICES: dict[str, tuple[str, ...]] = {
     "empty_row": get_args(EmptyRow),
     "pair_rule": get_args(PairRule),
 }
-_AT_LEAST = {
-    "rounds": 1,
-    "n_demonstrations": 1,
-    "comparisons": 1,
-    "proposals": 1,
-    "candidate_limit": 1,
-    "search_size": 1,
-    "gamma": 0,
-    "bonus_multiplier": 0,
-}
-_POSITIVE = ("slope", "lam")
+_COUNTS = ("rounds", "n_demonstrations", "comparisons", "proposals", "candidate_limit", "search_size")
+_NUMBERS: tuple[tuple[tuple[str, ...], Any, Callable[[Any], bool], str], ...] = (
+    (_COUNTS, int, lambda x: x >= 1, "a whole number of at least 1"),
+    (("rollouts",), int, lambda x: x >= 2, "a whole number of at least 2, or null for exact features"),
+    (("gamma", "bonus_multiplier"), int | float, lambda x: x >= 0, "a number of at least 0"),
+    (("slope", "lam", "weight_bound"), int | float, lambda x: x > 0, "a positive number"),
+    (("discount", "delta"), int | float, lambda x: 0 < x < 1, "a number strictly between 0 and 1"),
+    (("noise",), int | float, lambda x: 0 <= x <= 1, "a probability"),
+)
+_OPTIONAL = ("rollouts", "weight_bound")
 
 
 @dataclass(frozen=True)
@@ -107,21 +107,17 @@ class RunConfig:
         for name, choices in _CHOICES.items():
             if getattr(self, name) not in choices:
                 raise InputError(f"{name} is {getattr(self, name)!r}, expected one of {', '.join(choices)}.")
-        for name, least in _AT_LEAST.items():
-            if not getattr(self, name) >= least:
-                raise InputError(f"{name} is {getattr(self, name)}, expected at least {least}.")
-        for name in _POSITIVE:
-            if not getattr(self, name) > 0:
-                raise InputError(f"{name} is {getattr(self, name)}, expected a positive number.")
-        if self.rollouts is not None and self.rollouts < 2:
-            raise InputError(f"rollouts is {self.rollouts}, expected at least 2, or none for exact features.")
-        if self.weight_bound is not None and not self.weight_bound > 0:
-            raise InputError(f"weight_bound is {self.weight_bound}, expected a positive number.")
-        for name, low, high in (("noise", 0, 1), ("discount", 0, 1), ("delta", 0, 1)):
-            value = getattr(self, name)
-            if not (low <= value <= high) or (name != "noise" and value in (low, high)):
-                raise InputError(f"{name} is {value}, expected a number between {low} and {high}.")
-        _check_radius(self.radius)
+        for names, kind, valid, expected in _NUMBERS:
+            for name in names:
+                value = getattr(self, name)
+                if value is None and name in _OPTIONAL:
+                    continue
+                if isinstance(value, bool) or not isinstance(value, kind) or not valid(value):
+                    raise InputError(f"{name} is {value!r}, expected {expected}.")
+        if self.radius not in RADII and not (isinstance(self.radius, int | float) and self.radius >= 0):
+            raise InputError(
+                f"radius is {self.radius!r}, expected a number of at least 0 or one of {', '.join(RADII)}."
+            )
 
     def to_json(self) -> str:
         """A canonical JSON text: the same configuration gives the same text."""
@@ -142,14 +138,6 @@ class RunConfig:
     def but(self, **changes: Any) -> RunConfig:
         """The same configuration with some entries changed, validated again."""
         return replace(self, **changes)
-
-
-def _check_radius(radius: float | str) -> None:
-    if isinstance(radius, str):
-        if radius not in RADII:
-            raise InputError(f"radius is {radius!r}, expected a number of at least 0 or one of {', '.join(RADII)}.")
-    elif not radius >= 0:
-        raise InputError(f"radius is {radius}, expected a number of at least 0 or one of {', '.join(RADII)}.")
 
 
 _STAR_PUBLISHED: dict[str, Any] = {

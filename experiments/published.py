@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from bridge_algos.run.plots import STYLES, draw_band, finish
+from bridge_algos.run.plots import STYLES, draw_band
 from bridge_algos.run.summary import cumulative, mean_over_seeds
 
 ALGORITHMS = ("bridge", "pbrl")
@@ -25,7 +25,7 @@ def published_curves(environment: str) -> dict[str, Any] | None:
 def draw_beside(axes_regret: Any, axes_size: Any, curves: dict[str, Any]) -> None:
     """Add the published curves, dashed, in the colours of ours."""
     rounds = np.arange(1, curves["rounds"] + 1)
-    for axes, key, floor in ((axes_regret, "cumulative_regret", None), (axes_size, "policy_set_size", 0.5)):
+    for axes, key, floor in ((axes_regret, "cumulative_regret", None), (axes_size, "policy_set_size", 1)):
         for name in ALGORITHMS:
             style = {
                 "color": STYLES[name]["color"],
@@ -35,7 +35,6 @@ def draw_beside(axes_regret: Any, axes_size: Any, curves: dict[str, Any]) -> Non
             }
             curve = curves[name][key]
             draw_band(axes, rounds, np.array(curve["mean"]), np.array(curve["ci95_half_width"]), style, floor)
-        finish(axes)
 
 
 def comparison_text(results: xr.Dataset, curves: dict[str, Any]) -> str:

@@ -24,10 +24,10 @@ EXPERT: dict[str, Any] = {"label": "expert", "color": "#444444", "linestyle": "-
 
 
 def figure(results: xr.Dataset) -> Any:
-    """A matplotlib figure with both panels; save it with :func:`save`."""
+    """A matplotlib figure with both panels; add curves if you like, then save it with :func:`save`."""
     from matplotlib.figure import Figure
 
-    picture = Figure(figsize=(6.6, 2.9), layout="constrained")
+    picture = Figure(figsize=(6.6, 3.2), layout="constrained")
     regret, size = picture.subplots(1, 2)
     draw_cumulative(regret, results)
     draw_sizes(size, results)
@@ -50,7 +50,7 @@ def draw_sizes(axes: Any, results: xr.Dataset) -> None:
     rounds = np.asarray(results["round"])
     for name in (str(n) for n in results.algorithm.values if n != "bc"):
         sizes = np.asarray(results.set_size.sel(algorithm=name).transpose("seed", "round"))
-        draw_band(axes, rounds, *mean_over_seeds(sizes), STYLES[name], floor=0.5)
+        draw_band(axes, rounds, *mean_over_seeds(sizes), STYLES[name], floor=1)
     axes.set(yscale="log", xlabel="online round t", ylabel=r"policies in $\Pi_t$", xlim=(rounds[0], rounds[-1]))
     axes.set_ylim(bottom=0.9)
     axes.set_title("policies not ruled out", fontsize=9)
@@ -66,7 +66,7 @@ def draw_band(axes: Any, x: Any, mean: Any, half: Any, style: dict[str, Any], fl
 
 
 def finish(axes: Any) -> None:
-    """The common look: small readable type, light grid, legend where there is room."""
+    """The common look: small readable type and a light grid."""
     axes.grid(visible=True, color="#dddddd", linewidth=0.5)
     axes.set_axisbelow(True)
     for side in ("top", "right"):
@@ -74,11 +74,14 @@ def finish(axes: Any) -> None:
     axes.tick_params(labelsize=8)
     axes.xaxis.label.set_size(8.5)
     axes.yaxis.label.set_size(8.5)
-    axes.legend(fontsize=8, frameon=False)
 
 
 def save(picture: Any, stem: Path) -> list[Path]:
-    """Write ``stem``.png and ``stem``.pdf whole or not at all, and return their paths."""
+    """Put one legend for all panels below them; write ``stem``.png and ``stem``.pdf whole or not at all."""
+    curves = {
+        label: line for axes in picture.axes for line, label in zip(*axes.get_legend_handles_labels(), strict=True)
+    }
+    picture.legend(curves.values(), curves, loc="outside lower center", ncols=4, fontsize=8, frameon=False)
     paths = [stem.with_suffix(".png"), stem.with_suffix(".pdf")]
     for path in paths:
         buffer = io.BytesIO()

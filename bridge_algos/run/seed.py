@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from threadpoolctl import threadpool_limits
 
-from bridge_algos.evaluation import expected_return
+from bridge_algos.evaluation import expected_return, expected_returns
 from bridge_algos.hellinger import squared_hellinger
 from bridge_algos.mdp import FloatArray, IntArray
 from bridge_algos.offline.cloning import action_counts, add_action_noise, clone_deterministic
@@ -72,10 +72,11 @@ def _run_seed(config: RunConfig, world: World, seed: int) -> xr.Dataset:
         mdp, world.embedding, build_oracle(config, world), world.optimum, world.expert.expected_return, world.w_star
     )
     offline = PolicySet(estimate, clone, radius)
-    records = {}
+    records, best = {}, {}
     for name in config.algorithms:
         if name == "bc":
             records[name] = _constant(config, world, clone)
+            best[name] = records[name]["suboptimality"][0]
             continue
         known = name == "bridge-known"
         ball = PolicySet(mdp.dynamics, clone, radius) if known else offline
@@ -97,6 +98,7 @@ def _run_seed(config: RunConfig, world: World, seed: int) -> xr.Dataset:
             estimate=fit,
         )
         records[name] = run_online(problem, learner, config.rounds, stream(seed, name))
+        best[name] = world.expert.expected_return - expected_returns(mdp, policies).max()
     distance = np.sqrt(squared_hellinger(estimate, world.expert.policy, estimate, clone))
     scalars = {
         "clone_return": (expected_return(mdp, clone), "reward per trajectory"),
@@ -109,7 +111,9 @@ def _run_seed(config: RunConfig, world: World, seed: int) -> xr.Dataset:
     for name, value in world.radii.items():
         scalars[f"radius_{name}"] = (value, "Hellinger distance")
         scalars[f"expert_in_{name}"] = (float(distance <= value + 1e-9), "1 = yes")
-    return _dataset(config, world, seed, records, scalars)
+    return _dataset(config, world, seed, records, scalars).assign(
+        best_candidate=("algorithm", list(best.values()), {"units": "reward per trajectory below the expert"})
+    )
 
 
 def _constant(config: RunConfig, world: World, clone: IntArray) -> dict[str, FloatArray]:

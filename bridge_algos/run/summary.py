@@ -90,7 +90,10 @@ def _offline_lines(results: xr.Dataset) -> list[str]:
     def share(name: str) -> str:
         return f"{100 * float(results[name].mean()):.0f} %"
 
+    algorithms = [str(name) for name in results.algorithm.values if name != "bc"]
+    best = ", ".join(f"{name} {float(results.best_candidate.sel(algorithm=name).mean()):.2f}" for name in algorithms)
     lines = [
+        f"below the expert per round even with the best policy searched, so never regained: {best}",
         f"optimal policy in the offline set: {share('optimum_in_offline_set')} of seeds (radius "
         f"{float(results.radius.mean()):.3g}, mean exact size {float(results.offline_set_count.mean()):.4g} policies)",
     ]

@@ -74,7 +74,7 @@ def ends(x: Ball) -> tuple[float, float]:
     """
     if x.is_nan() or not x.is_finite():
         return -math.inf, math.inf
-    return _round_down(*_exact(x.lower())), -_round_down(*_exact(-x.upper()))
+    return _round_down(*_exact(x.lower())), 0.0 - _round_down(*_exact(-x.upper()))
 
 
 def midpoint(x: Ball) -> float:

@@ -1,0 +1,1 @@
+"""The subcommands of ``bridge-rl`` that need nothing but the theory."""

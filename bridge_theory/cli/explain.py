@@ -1,0 +1,48 @@
+"""``--explain LABEL``: everything a formula knows about itself, in a terminal."""
+
+from __future__ import annotations
+
+import inspect
+import textwrap
+
+from bridge_theory.bound import Bound
+from bridge_theory.cli.options import flag
+from bridge_theory.cli.rows import described_parameters, missing_from
+from bridge_theory.cli.table import text_table
+from bridge_theory.formula import Formula
+from bridge_theory.setting import Setting
+from bridge_theory.value import BoundValue
+
+
+def explain(formula: Formula, setting: Setting) -> str:
+    """Statement, source, assumptions, parameters, directions; with a complete setting also value, terms and words."""
+    documentation = inspect.cleandoc(formula.__doc__ or "").split(">>>")[0].strip()
+    parts = [f"{formula.name}: {formula.title} ({formula.status}, {formula.source})", documentation]
+    parts += [_listed("Assumptions", formula.assumptions), _listed("Parameters", described_parameters(formula))]
+    directions = [f"{move.direction} in {name}: {move.because}" for name, move in formula.monotone.items()]
+    parts.append(_listed("Directions", directions))
+    missing = missing_from(formula, setting)
+    if missing:
+        wanted = " ".join(map(flag, missing))
+        parts.append(f"Its value also needs {wanted}.")
+    elif isinstance(formula, Bound):
+        parts.append(_valued(formula.value(setting)))
+    return "\n\n".join(part for part in parts if part)
+
+
+def _listed(heading: str, lines: tuple[str, ...] | list[str]) -> str:
+    return "\n".join([f"{heading}:", *(f"  - {line}" for line in lines)]) if lines else ""
+
+
+def _valued(value: BoundValue) -> str:
+    lines = [f"Value: {value.enclosure}"]
+    if value.trivial is not None:
+        lines.append(f"Trivial value: {value.trivial.middle:.6g}")
+    if value.terms:
+        mark = {value.dominant: "dominates"}
+        rows = [
+            (name, f"{term.middle:.6g}", f"{value.shares[name]:.1%}" if value.shares else "", mark.get(name, ""))
+            for name, term in value.terms.items()
+        ]
+        lines.append(text_table(("term", "value", "share", ""), rows))
+    return "\n".join([*lines, textwrap.fill(value.words, 110)])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import zipfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from bridge_algos.files import atomic_write
 from bridge_algos.mdp import Dynamics, FloatArray, IntArray, TabularMDP
+from bridge_algos.npz import read_arrays
 from bridge_algos.policies import action_probabilities
 from bridge_theory.errors import InputError
 
@@ -116,18 +116,7 @@ def load_trajectories(path: str | Path, n_states: int, n_actions: int, horizon: 
     Raises:
         InputError: when the file is missing, is no ``.npz``, lacks an array or does not fit the MDP.
     """
-    try:
-        with Path(path).open("rb") as handle, np.load(handle, allow_pickle=False) as archive:
-            arrays = {name: archive[name] for name in archive.files}
-    except FileNotFoundError:
-        raise InputError(f"{path} does not exist; give the path of an .npz file with 'states' and 'actions'.") from None
-    except (ValueError, OSError, EOFError, zipfile.BadZipFile, AttributeError) as error:
-        raise InputError(f"{path} is not a readable .npz file of plain arrays ({error}); save it again.") from None
-    missing = {"states", "actions"} - set(arrays)
-    if missing:
-        raise InputError(
-            f"{path} lacks {sorted(missing)}; expected integer arrays 'states' and 'actions' of shape (n, H)."
-        )
+    arrays = read_arrays(path, ("states", "actions"))
     return Trajectories(arrays["states"], arrays["actions"], arrays.get("rewards")).checked(
         n_states, n_actions, horizon
     )

@@ -11,7 +11,7 @@ from bridge_theory.errors import InputError
 SUBCOMMANDS = {
     "run": ("bridge_algos.run.cli", "run BRIDGE, PbRL and BC on a tabular environment"),
     "reproduce": ("experiments.reproduce", "reproduce the paper's figures, beside the published ones"),
-    "bounds": ("bridge_theory.cli.bounds", "evaluate the paper's bounds for a setting"),
+    "bounds": ("experiments.bounds", "evaluate the paper's bounds for a setting"),
     "plan": ("bridge_theory.cli.plan", "how many demonstrations or queries a target needs"),
 }
 

@@ -12,7 +12,7 @@ import xarray as xr
 
 from bridge_algos.files import atomic_write_text
 from bridge_algos.run import plots
-from bridge_algos.run.arguments import Parser
+from bridge_theory.cli.options import Parser
 from bridge_algos.run.config import RunConfig
 from bridge_algos.run.runner import run
 from bridge_algos.run.summary import table

@@ -1,0 +1,59 @@
+"""MDPs on disk: an ``.npz`` file of plain arrays, checked when it is read; nothing in it is executed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from bridge_algos.envs.registry import make_mdp, mdp_names
+from bridge_algos.files import atomic_write
+from bridge_algos.mdp import TabularMDP
+from bridge_algos.npz import read_arrays
+from bridge_theory.errors import InputError
+
+REQUIRED = ("transitions", "initial", "horizon", "reward")
+
+
+def save_mdp(path: str | Path, mdp: TabularMDP) -> None:
+    """Write an MDP, whole or not at all."""
+    with atomic_write(Path(path)) as handle:
+        np.savez_compressed(
+            handle,
+            transitions=mdp.transitions,
+            initial=mdp.initial,
+            horizon=np.array(mdp.horizon),
+            reward=mdp.reward,
+            state_names=np.array(mdp.state_names),
+            action_names=np.array(mdp.action_names),
+        )
+
+
+def load_mdp(source: str | Path) -> TabularMDP:
+    """The MDP of a built-in name or of an ``.npz`` file that :func:`save_mdp` wrote.
+
+    Raises:
+        InputError: when it is neither, or the file does not hold a valid MDP.
+
+    >>> load_mdp("starmdp").n_states
+    5
+    """
+    if str(source).lower() in mdp_names():
+        return make_mdp(str(source))
+    if not Path(source).exists():
+        raise InputError(f"{source} is neither a file nor one of the environments {', '.join(mdp_names())}.")
+    arrays = read_arrays(source, REQUIRED)
+    names = {key: tuple(arrays[key].tolist()) for key in ("state_names", "action_names") if key in arrays}
+    horizon = arrays["horizon"]
+    if horizon.shape != () or horizon.dtype.kind not in "iu":
+        raise InputError(
+            f"{source} has a horizon of shape {horizon.shape} of {horizon.dtype}, expected one whole number."
+        )
+    return TabularMDP(
+        transitions=arrays["transitions"],
+        initial=arrays["initial"],
+        horizon=int(horizon),
+        reward=arrays["reward"],
+        name=Path(source).stem,
+        **names,
+    )

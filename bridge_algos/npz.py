@@ -1,0 +1,34 @@
+"""Reading ``.npz`` files of plain arrays: whatever is wrong with one is said in a sentence."""
+
+from __future__ import annotations
+
+import zipfile
+import zlib
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bridge_theory.errors import InputError
+
+
+def read_arrays(path: str | Path, required: Iterable[str]) -> dict[str, NDArray[Any]]:
+    """All arrays of a file, after making sure that the required ones are there; no pickles.
+
+    Raises:
+        InputError: when the file is missing, damaged, holds objects, or lacks an array.
+    """
+    names = sorted(required)
+    try:
+        with Path(path).open("rb") as handle, np.load(handle, allow_pickle=False) as archive:
+            arrays = {name: archive[name] for name in archive.files}
+    except FileNotFoundError:
+        raise InputError(f"{path} does not exist; give the path of an .npz file with {', '.join(names)}.") from None
+    except (ValueError, OSError, EOFError, zipfile.BadZipFile, zlib.error, AttributeError, TypeError) as error:
+        raise InputError(f"{path} is not a readable .npz file of plain arrays ({error}); save it again.") from None
+    missing = [name for name in names if name not in arrays]
+    if missing:
+        raise InputError(f"{path} lacks the arrays {', '.join(missing)}; it holds {', '.join(arrays) or 'nothing'}.")
+    return arrays

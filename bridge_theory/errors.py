@@ -1,4 +1,4 @@
-"""The one error a user's mistake raises: its text says what came in, what was expected and what to do."""
+"""The errors that end in one sentence: a user's mistake, and a computation that failed and says so."""
 
 
 class InputError(ValueError):
@@ -7,3 +7,7 @@ class InputError(ValueError):
 
 class UndefinedInPaperError(InputError):
     """The paper's text has no meaning at this point (log 0, empty counts); the message names the repaired form."""
+
+
+class ComputationError(RuntimeError):
+    """A computation that failed or could not be certified, by no mistake of the user's; exit status 1."""

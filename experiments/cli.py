@@ -6,7 +6,7 @@ import importlib
 import importlib.util
 import sys
 
-from bridge_theory.errors import InputError
+from bridge_theory.errors import ComputationError, InputError
 
 SUBCOMMANDS = {
     "run": ("bridge_algos.run.cli", "run BRIDGE, PbRL and BC on a tabular environment"),
@@ -17,7 +17,7 @@ SUBCOMMANDS = {
 
 
 def main(argv: list[str] | None = None) -> int:
-    """Run one subcommand; exit status 0 on success, 2 on a user's mistake, 130 when interrupted."""
+    """Run one subcommand; status 0 on success, 1 on a failed computation, 2 on a user's mistake, 130 on interruption."""
     arguments = sys.argv[1:] if argv is None else list(argv)
     if not arguments or arguments[0] in ("-h", "--help"):
         print(_overview())
@@ -35,6 +35,9 @@ def main(argv: list[str] | None = None) -> int:
     except InputError as error:
         print(f"bridge-rl {name}: {error}", file=sys.stderr)
         return 2
+    except ComputationError as error:
+        print(f"bridge-rl {name}: {error}", file=sys.stderr)
+        return 1
     except KeyboardInterrupt:
         print(f"bridge-rl {name}: interrupted; finished parts are kept", file=sys.stderr)
         return 130

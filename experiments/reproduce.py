@@ -12,10 +12,10 @@ import xarray as xr
 
 from bridge_algos.files import atomic_write_text
 from bridge_algos.run import plots
-from bridge_theory.cli.options import Parser
 from bridge_algos.run.config import RunConfig
 from bridge_algos.run.runner import run
 from bridge_algos.run.summary import table
+from bridge_theory.cli.options import Parser
 from bridge_theory.errors import InputError
 from experiments.published import comparison_text, draw_beside, published_curves
 

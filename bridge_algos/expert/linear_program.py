@@ -22,7 +22,7 @@ import numpy as np
 
 from bridge_algos.expert.dynamic_programming import check_discount
 from bridge_algos.mdp import FloatArray, TabularMDP
-from bridge_theory.errors import InputError
+from bridge_theory.errors import ComputationError, InputError
 
 # First-order methods stop by default at an accuracy that the certificate does not accept.
 ACCURACY: dict[str, dict[str, float]] = {
@@ -31,7 +31,7 @@ ACCURACY: dict[str, dict[str, float]] = {
 }
 
 
-class SolverError(RuntimeError):
+class SolverError(ComputationError):
     """A solver failed, or returned numbers that do not stand up to the certificate; not a mistake of the user's."""
 
 

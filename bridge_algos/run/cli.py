@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from bridge_algos.envs.registry import mdp_names
-from bridge_theory.cli.options import Parser
 from bridge_algos.run.config import ALGORITHMS, RunConfig, preset
+from bridge_theory.cli.options import Parser
 from bridge_theory.errors import InputError
 
 

@@ -17,7 +17,7 @@ SUBCOMMANDS = {
 
 
 def main(argv: list[str] | None = None) -> int:
-    """Run one subcommand; status 0 on success, 1 on a failed computation, 2 on a user's mistake, 130 on interruption."""
+    """Run one subcommand; status 0: success, 1: failed computation, 2: a user's mistake, 130: interrupted."""
     arguments = sys.argv[1:] if argv is None else list(argv)
     if not arguments or arguments[0] in ("-h", "--help"):
         print(_overview())

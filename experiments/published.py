@@ -68,8 +68,8 @@ def comparison_text(results: xr.Dataset, curves: dict[str, Any]) -> str:
     for name in ALGORITHMS:
         regret = np.asarray(results.suboptimality.sel(algorithm=name))
         lines.append(
-            f"{STYLES[name]['label']}: estimated from 1000 rollouts and clipped at zero in every round, as published, our "
-            f"cumulative regret would read {clipped_mean(regret, noise).sum(axis=1).mean():.2f} instead of "
+            f"{STYLES[name]['label']}: estimated from 1000 rollouts and clipped at zero in every round, as published, "
+            f"our cumulative regret would read {clipped_mean(regret, noise).sum(axis=1).mean():.2f} instead of "
             f"{regret.sum(axis=1).mean():.2f}."
         )
     lines.append(

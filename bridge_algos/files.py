@@ -11,17 +11,23 @@ from typing import IO
 
 
 @contextmanager
-def atomic_write(path: Path) -> Iterator[IO[bytes]]:
-    """A binary handle whose content replaces ``path`` only when the block ends without an error."""
+def atomic_path(path: Path) -> Iterator[Path]:
+    """A fresh path beside ``path``; what is written there becomes ``path`` only when the block ends without an error."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.{uuid.uuid4().hex}.part")
+    temporary = path.with_name(f".{path.stem}.{uuid.uuid4().hex}{path.suffix}")
     try:
-        with temporary.open("xb") as handle:
-            yield handle
+        yield temporary
         os.replace(temporary, path)
     except BaseException:
         temporary.unlink(missing_ok=True)
         raise
+
+
+@contextmanager
+def atomic_write(path: Path) -> Iterator[IO[bytes]]:
+    """A binary handle whose content replaces ``path`` only when the block ends without an error."""
+    with atomic_path(path) as temporary, temporary.open("xb") as handle:
+        yield handle
 
 
 def atomic_write_text(path: Path, text: str) -> None:

@@ -8,7 +8,7 @@ from typing import Final
 
 import xarray as xr
 
-from bridge_algos.files import atomic_write, atomic_write_text
+from bridge_algos.files import atomic_path, atomic_write_text
 from bridge_algos.run.config import RunConfig
 from bridge_theory.errors import InputError
 
@@ -41,9 +41,8 @@ def seed_files(directory: Path) -> list[Path]:
 
 def save_seed(directory: Path, dataset: xr.Dataset) -> None:
     """Write the data set of one seed."""
-    content = dataset.to_netcdf(engine=ENGINE)
-    with atomic_write(directory / f"seed-{int(dataset.seed):05d}.nc") as handle:
-        handle.write(content)
+    with atomic_path(directory / f"seed-{int(dataset.seed):05d}.nc") as temporary:
+        dataset.to_netcdf(str(temporary), engine=ENGINE)
 
 
 def load_run(directory: Path) -> xr.Dataset:

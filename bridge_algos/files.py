@@ -12,7 +12,7 @@ from typing import IO
 
 @contextmanager
 def atomic_path(path: Path) -> Iterator[Path]:
-    """A fresh path beside ``path``; what is written there becomes ``path`` only when the block ends without an error."""
+    """A fresh path beside ``path``, which becomes ``path`` only when the block ends without an error."""
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_name(f".{path.stem}.{uuid.uuid4().hex}{path.suffix}")
     try:

@@ -2,8 +2,12 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from bridge_algos.envs.registry import make_mdp
+from bridge_algos.mdp_file import load_mdp, save_mdp
+from bridge_algos.trajectories import Trajectories, sample_trajectories, save_trajectories
 from experiments.cli import main
 
 FAST = ["--seeds", "1", "--rounds", "2", "--jobs", "1"]
@@ -28,6 +32,12 @@ FAST = ["--seeds", "1", "--rounds", "2", "--jobs", "1"]
         (["run", "starmdp", "--set", 'environment_options={"horizon": 0}'], "horizon is 0"),
         (["run", "starmdp", "--set", "embedding=pixels"], "unknown embedding"),
         (["run", "starmdp", "--frames", "3"], "unrecognized arguments"),
+        (["run", "starmdp", "--set", "solver=GUROBI"], "GUROBI"),
+        (["run", "starmdp", "--demos", "none.npz"], "none.npz cannot be read"),
+        (["run", "none.npz"], "none.npz is neither a file nor one of the environments"),
+        (["run", "cliffwalking", "--set", "proposals=1000000000"], "set proposals to at most"),
+        (["bounds", "--demos", "none.npz"], "--demos and --mdp belong together"),
+        (["bounds", "--demos", "none.npz", "--mdp", "starmdp"], "none.npz does not exist"),
         (["reproduce", "fig9"], "nothing to reproduce named 'fig9'"),
         (["reproduce"], "required: NAME"),
     ],
@@ -80,3 +90,43 @@ def test_interruption_has_its_own_status(monkeypatch, capsys) -> None:
     monkeypatch.setattr("bridge_algos.run.cli.main", interrupt)
     assert main(["run", "starmdp"]) == 130
     assert "interrupted" in capsys.readouterr().err
+
+
+def test_demonstrations_of_another_environment_are_refused(tmp_path: Path, capsys) -> None:
+    demos = tmp_path / "demos.npz"
+    save_trajectories(demos, Trajectories(np.zeros((3, 5), dtype=np.int64), np.zeros((3, 5), dtype=np.int64)))
+    for arguments in (["run", "starmdp", "--demos", str(demos)], ["bounds", "--mdp", "starmdp", "--demos", str(demos)]):
+        assert main(arguments) == 2
+        assert "the trajectories have 5 steps, expected the MDP's horizon 8" in capsys.readouterr().err
+
+
+def test_own_mdp_and_demonstrations_run(tmp_path: Path, capsys) -> None:
+    mdp = make_mdp("starmdp")
+    save_mdp(tmp_path / "mine.npz", mdp)
+    expert = np.array([0, 2, 3, 2, 2])
+    save_trajectories(tmp_path / "demos.npz", sample_trajectories(mdp, expert, 7, np.random.default_rng(0)))
+    files = [str(tmp_path / "mine.npz"), "--demos", str(tmp_path / "demos.npz")]
+    assert main(["run", *files, *FAST, "--out", str(tmp_path / "out")]) == 0
+    assert "bridge below pbrl?" in capsys.readouterr().out
+    save_trajectories(tmp_path / "demos.npz", sample_trajectories(mdp, expert, 7, np.random.default_rng(1)))
+    assert main(["run", *files, *FAST, "--out", str(tmp_path / "out")]) == 2
+    assert "another configuration" in capsys.readouterr().err
+    assert main(["bounds", "--mdp", files[0], *files[1:], "--only", "audit T8(B)"]) == 0
+    printed = capsys.readouterr().out
+    assert "from the demonstrations" in printed
+    assert "offline_radius_mass" in printed
+
+
+def test_damaged_mdp_files_are_refused(tmp_path: Path, capsys) -> None:
+    path = tmp_path / "mine.npz"
+    mdp = make_mdp("starmdp")
+    save_mdp(path, mdp)
+    back = load_mdp(path)
+    np.testing.assert_array_equal(back.transitions, mdp.transitions)
+    assert back.action_names == mdp.action_names
+    np.savez(path, transitions=mdp.transitions * 0.5, initial=mdp.initial, horizon=8, reward=mdp.reward)
+    assert main(["run", str(path)]) == 2
+    assert "sums to 0.5" in capsys.readouterr().err
+    np.savez(path, transitions=mdp.transitions, initial=mdp.initial, horizon=[8, 9], reward=mdp.reward)
+    assert main(["run", str(path)]) == 2
+    assert "expected one whole number" in capsys.readouterr().err

@@ -6,6 +6,7 @@ from conftest import random_dynamics
 from hypothesis import given
 from hypothesis import strategies as st
 
+from bridge_algos.envs.registry import make_mdp
 from bridge_algos.mdp import Dynamics
 from bridge_algos.offline.policy_set import PolicySet
 from bridge_algos.policies import all_policies
@@ -26,6 +27,22 @@ def test_count_and_enumeration_equal_a_scan_of_all_policies(seed, n_states, n_ac
     assert ball.count() == len(inside) == len(listed)
     assert keys(listed) == keys(inside)
     assert ball.contains(ball.center)
+
+
+@pytest.mark.parametrize("radius", [0.0, 0.3, 0.6, 0.8, 0.9, 0.95, 0.99, 1.0])
+def test_count_on_starmdp_equals_a_scan_of_its_1024_policies(radius: float) -> None:
+    dynamics = make_mdp("starmdp").dynamics
+    policies = all_policies(5, 4)
+    for center in policies[::97]:
+        ball = PolicySet(dynamics, center, radius)
+        assert ball.count() == ball.contains(policies).sum()
+
+
+def test_a_hopeless_count_is_refused_in_time() -> None:
+    rng = np.random.default_rng(0)
+    dynamics = random_dynamics(rng, 60, 2, 20)
+    with pytest.raises(InputError, match="multiplications"):
+        PolicySet(dynamics, np.zeros(60, dtype=np.int64), 0.9).count()
 
 
 def test_unreachable_states_multiply_the_count() -> None:

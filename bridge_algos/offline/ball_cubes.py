@@ -19,8 +19,8 @@ from bridge_theory.errors import InputError
 ROUNDING_SLACK = 1e-12
 """Added to r^2 in every comparison: rounding may enlarge a confidence set, never shrink it."""
 
-NODE_LIMIT = 2_000_000
-"""Open nodes above which the search gives up (about 1 GB of memory at 36 states)."""
+WORK_LIMIT = 2e10
+"""Multiplications after which the search gives up: some seconds."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,9 +48,11 @@ def ball_cubes(dynamics: Dynamics, center: IntArray, squared_radius: float) -> C
     """All deterministic stationary policies with H^2 <= r^2 to the centre, as disjoint cubes.
 
     Raises:
-        InputError: when more than ``NODE_LIMIT`` nodes are open at once (then sample by rejection instead).
+        InputError: when that takes more than ``WORK_LIMIT`` multiplications.
     """
     n_states = dynamics.n_states
+    work_per_node = 2.0 * dynamics.horizon * n_states**2
+    work = 0.0
     limit = squared_radius + ROUNDING_SLACK
     singletons = disagreement_probability(dynamics, center, np.eye(n_states))
     order = np.argsort(-singletons, kind="stable")
@@ -58,6 +60,12 @@ def ball_cubes(dynamics: Dynamics, center: IntArray, squared_radius: float) -> C
     undecided = np.ones(n_states, dtype=bool)
     found: list[tuple[np.ndarray, np.ndarray]] = []
     for state in order:
+        work += len(out) * work_per_node
+        if work > WORK_LIMIT:
+            raise InputError(
+                f"listing the ball of radius {squared_radius**0.5:g} over {n_states} states takes more than "
+                f"{WORK_LIMIT:.0e} multiplications; use rejection sampling or a radius nearer to 0 or 1."
+            )
         fits = _hit(dynamics, center, out | undecided) <= limit
         found.append((out[fits], np.broadcast_to(undecided, (int(fits.sum()), n_states))))
         out = out[~fits]
@@ -68,11 +76,6 @@ def ball_cubes(dynamics: Dynamics, center: IntArray, squared_radius: float) -> C
         leaving = out.copy()
         leaving[:, state] = True
         out = np.concatenate([out, leaving[_hit(dynamics, center, leaving) <= limit]])
-        if len(out) > NODE_LIMIT:
-            raise InputError(
-                f"counting the ball needs more than {NODE_LIMIT:,} open nodes for {n_states} states at radius "
-                f"{squared_radius**0.5:g}; use rejection sampling or a radius nearer to 0 or 1."
-            )
     else:
         found.append((out, np.zeros_like(out)))
     disagree, free = (np.concatenate(parts) for parts in zip(*found, strict=True))

@@ -16,6 +16,9 @@ from bridge_algos.offline.ball_cubes import ROUNDING_SLACK, Cubes, ball_cubes
 from bridge_algos.policies import random_policies
 from bridge_theory.errors import InputError
 
+PROPOSED_ENTRIES = 2**22
+"""Actions drawn at a time by rejection sampling, to bound its memory."""
+
 
 @dataclass(frozen=True, eq=False)
 class PolicySet:
@@ -83,9 +86,14 @@ class PolicySet:
 
         When none does, the set is the centre alone: a learner needs at least one policy.
         """
-        candidates = random_policies(proposals, self.dynamics.n_states, self.dynamics.n_actions, rng)
-        kept = candidates[self.contains(candidates)]
-        return np.unique(kept, axis=0) if len(kept) else self.center[None].copy()
+        size = max(1, PROPOSED_ENTRIES // self.dynamics.n_states)
+        kept = []
+        for start in range(0, proposals, size):
+            n = min(size, proposals - start)
+            candidates = random_policies(n, self.dynamics.n_states, self.dynamics.n_actions, rng)
+            kept.append(candidates[self.contains(candidates)])
+        found = np.concatenate(kept)
+        return np.unique(found, axis=0) if len(found) else self.center[None].copy()
 
     def _cube(self, index: int) -> IntArray:
         n_actions = self.dynamics.n_actions

@@ -17,13 +17,14 @@ from bridge_theory.errors import InputError
 def parser() -> argparse.ArgumentParser:
     """The options of ``bridge-rl run``."""
     p = Parser(prog="bridge-rl run", description="Run BRIDGE, PbRL and BC on a tabular environment.")
-    p.add_argument("environment", help=f"one of {', '.join(mdp_names())}")
+    p.add_argument("environment", help=f"one of {', '.join(mdp_names())}, or an MDP's .npz file")
     p.add_argument("--preset", default="published", help="published (default) or theory")
     p.add_argument("--seeds", type=int, default=30, help="number of seeds, 0..SEEDS-1 (default 30)")
     p.add_argument("--rounds", type=int, help="online rounds T (default: the preset's)")
     p.add_argument("--algorithms", help=f"comma-separated, of {', '.join(ALGORITHMS)} (default bridge,pbrl,bc)")
     p.add_argument("--fit", help="exact or adam: how the preference weights are fitted (default: the preset's)")
     p.add_argument("--features", choices=("exact", "sampled"), help="sampled: 100 rollouts a policy, as in the paper")
+    p.add_argument("--demos", metavar="FILE", help="demonstrations (.npz) that every seed uses instead of the expert's")
     p.add_argument("--radius", help="of the offline set: a number, stated, repaired or zero (default: the preset's)")
     p.add_argument(
         "--set", action="append", default=[], metavar="NAME=VALUE", help="any other entry of the configuration"
@@ -45,7 +46,7 @@ def main(argv: list[str]) -> int:
     from bridge_algos.run.runner import run
     from bridge_algos.run.summary import table
 
-    directory = options.out or Path("out") / f"{options.environment}-{options.preset}"
+    directory = options.out or Path("out") / f"{Path(options.environment).stem}-{options.preset}"
     results = run(config, directory, options.seeds, options.jobs)
     print(table(results))
     paths = plots.save(plots.figure(results), directory / "regret")
@@ -54,11 +55,15 @@ def main(argv: list[str]) -> int:
 
 
 def _config(options: argparse.Namespace) -> RunConfig:
+    from bridge_algos.run.world import digest
+
     changes: dict[str, Any] = dict(_assignment(text) for text in options.set)
     if options.rounds is not None:
         changes["rounds"] = options.rounds
     if options.algorithms is not None:
         changes["algorithms"] = tuple(options.algorithms.split(","))
+    if options.demos is not None:
+        changes |= {"demonstrations": options.demos, "demonstrations_digest": digest(options.demos)}
     if options.fit is not None:
         changes["fit"] = options.fit
     if options.features is not None:

@@ -44,11 +44,13 @@ class RunConfig:
     """Everything that decides the numbers of a run, except the seed.
 
     Args:
-        environment, environment_options: what ``make_mdp`` takes.
+        environment, environment_options: what ``make_mdp`` takes, or the path of an MDP's ``.npz`` file.
         algorithms: which of ``ALGORITHMS`` to run, on the same demonstrations.
         expert: who demonstrates: ``"discounted-lp"`` (published runs), ``"finite-horizon-lp"``, ``"best-stationary"``.
         discount: of the discounted LP.
-        n_demonstrations: n.
+        solver: of the linear program, by its cvxpy name.
+        n_demonstrations: n, how many demonstrations the expert gives in each seed.
+        demonstrations, demonstrations_digest: path of a file that all seeds use instead, and its SHA-256.
         noise: probability that a recorded action is replaced by a random one.
         tie_break: what the clone does in unvisited states.
         transition_model: ``"counts"``, or ``"mlp"`` (the paper's network for Gridworld; needs torch).
@@ -73,7 +75,10 @@ class RunConfig:
     algorithms: tuple[str, ...] = ("bridge", "pbrl", "bc")
     expert: str = "discounted-lp"
     discount: float = 0.99
+    solver: str = "HIGHS"
     n_demonstrations: int = 10
+    demonstrations: str | None = None
+    demonstrations_digest: str | None = None
     noise: float = 0.0
     tie_break: TieBreak = "random"
     transition_model: str = "counts"

@@ -27,6 +27,9 @@ from bridge_theory.errors import InputError
 
 PACKAGES = ("bridge-rl", "numpy", "scipy", "xarray", "cvxpy", "highspy", "python-flint", "gymnasium")
 
+WORK_LIMIT = 1e12
+"""Multiplications allowed in one step (about a minute), so that a too large problem is refused and not waited for."""
+
 UNITS = {
     "pseudo_regret": "reward per trajectory",
     "suboptimality": "reward per trajectory",
@@ -60,7 +63,9 @@ def run_seed(config: RunConfig, world: World, seed: int) -> xr.Dataset:
 
 def _run_seed(config: RunConfig, world: World, seed: int) -> xr.Dataset:
     mdp = world.mdp
-    clean = sample_trajectories(mdp, world.expert.policy, config.n_demonstrations, stream(seed, "demonstrations"))
+    clean = world.demonstrations
+    if clean is None:
+        clean = sample_trajectories(mdp, world.expert.policy, config.n_demonstrations, stream(seed, "demonstrations"))
     demonstrations = add_action_noise(clean, config.noise, mdp.n_actions, stream(seed, "noise"))
     pairs = action_counts(demonstrations, mdp.n_states, mdp.n_actions)
     counts = transition_counts(demonstrations, mdp.n_states, mdp.n_actions)
@@ -83,6 +88,8 @@ def _run_seed(config: RunConfig, world: World, seed: int) -> xr.Dataset:
         policies = _candidates(config, ball, stream(seed, "candidates"))
         if name == "pbrl":
             policies = _search_space(config, policies, mdp.n_states, mdp.n_actions, stream(seed, "search"))
+        name_of_limit = "candidate_limit" if config.candidates == "exact" else "search_size"
+        _afford(name_of_limit, len(policies), mdp.horizon * mdp.n_states**2 * mdp.n_actions)
         learner = Learner(
             name=name,
             policies=policies,
@@ -128,13 +135,25 @@ def _constant(config: RunConfig, world: World, clone: IntArray) -> dict[str, Flo
 
 def _candidates(config: RunConfig, ball: PolicySet, rng: np.random.Generator) -> IntArray:
     """Candidates from the offline set, in random order, so that the order of policies breaks no tie."""
+    dynamics = ball.dynamics
     if config.candidates == "rejection":
+        _afford("proposals", config.proposals, dynamics.horizon * dynamics.n_states**2)
         policies = ball.rejection_sample(config.proposals, rng)
     elif ball.count() <= config.candidate_limit:
         policies = ball.enumerate(config.candidate_limit)
     else:
         policies = ball.sample(config.candidate_limit, rng)
     return rng.permutation(policies)
+
+
+def _afford(entry: str, policies: int, work_per_policy: int) -> None:
+    """Refuse a size with which one step of the run would take many minutes."""
+    if policies * work_per_policy > WORK_LIMIT:
+        raise InputError(
+            f"{entry} leads to {policies:,} policies at {work_per_policy:.1e} multiplications each, more than this "
+            f"package does in one step ({WORK_LIMIT:.0e}); set {entry} to at most "
+            f"{int(WORK_LIMIT // work_per_policy)}, or shorten the horizon."
+        )
 
 
 def _search_space(

@@ -19,7 +19,7 @@ class Mean:
     half_width: float
 
     def __str__(self) -> str:
-        return f"{self.mean:.2f} ± {self.half_width:.2f}"
+        return f"{self.mean:.2f} ± {self.half_width:.2f}" if np.isfinite(self.half_width) else f"{self.mean:.2f}"
 
 
 def mean_over_seeds(values: FloatArray) -> tuple[FloatArray, FloatArray]:

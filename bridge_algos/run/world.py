@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -10,9 +12,11 @@ from bridge_algos.embeddings import Embedding, make_embedding
 from bridge_algos.envs.registry import make_mdp
 from bridge_algos.expert.experts import Expert, make_expert
 from bridge_algos.mdp import FloatArray, IntArray, TabularMDP
+from bridge_algos.mdp_file import load_mdp
 from bridge_algos.offline.radius import named_radii
 from bridge_algos.online.oracles import BradleyTerryOracle, Oracle, ReturnOracle
 from bridge_algos.run.config import RunConfig
+from bridge_algos.trajectories import Trajectories, load_trajectories
 from bridge_theory.errors import InputError
 
 
@@ -25,6 +29,7 @@ class World:
         utility_scale: utility per unit of reward, <phi(pi), w*> = utility_scale J(pi); NaN without w*.
         weight_bound: W.
         radii: the offline radius by name; see :mod:`bridge_algos.offline.radius`.
+        demonstrations: those of the configured file, or None where each seed draws its own.
     """
 
     mdp: TabularMDP
@@ -34,6 +39,7 @@ class World:
     utility_scale: float
     weight_bound: float
     radii: dict[str, float]
+    demonstrations: Trajectories | None
 
     @property
     def optimum(self) -> IntArray:
@@ -43,15 +49,35 @@ class World:
 
 def build_world(config: RunConfig) -> World:
     """Environment, expert and yardsticks of a configuration; deterministic."""
-    mdp = make_mdp(config.environment, **config.environment_options)
-    expert = make_expert(mdp, config.expert, discount=config.discount)
+    from_file = config.environment.endswith(".npz")
+    mdp = load_mdp(config.environment) if from_file else make_mdp(config.environment, **config.environment_options)
+    demonstrations = _demonstrations(config, mdp)
+    expert = make_expert(mdp, config.expert, config.discount, config.solver)
     embedding = make_embedding(config.embedding, mdp.n_states, mdp.n_actions, mdp.horizon)
     weight_bound = 1 / embedding.bound if config.weight_bound is None else config.weight_bound
     w_star, scale = None, np.nan
     if config.embedding == "state_action_counts":
         w_star, scale = _utility(mdp, weight_bound)
-    radii = named_radii(mdp.dynamics, expert.policy, config.n_demonstrations, config.delta)
-    return World(mdp, expert, embedding, w_star, scale, weight_bound, radii)
+    n = config.n_demonstrations if demonstrations is None else len(demonstrations)
+    radii = named_radii(mdp.dynamics, expert.policy, n, config.delta)
+    return World(mdp, expert, embedding, w_star, scale, weight_bound, radii, demonstrations)
+
+
+def digest(path: str) -> str:
+    """SHA-256 of a file, by which a run recognises its demonstrations."""
+    try:
+        return hashlib.sha256(Path(path).read_bytes()).hexdigest()
+    except OSError as error:
+        raise InputError(f"{path} cannot be read ({error.strerror}); give the path of a demonstrations file.") from None
+
+
+def _demonstrations(config: RunConfig, mdp: TabularMDP) -> Trajectories | None:
+    path = config.demonstrations
+    if path is None:
+        return None
+    if config.demonstrations_digest not in (None, digest(path)):
+        raise InputError(f"{path} has changed since this run was configured; use another --out for the new file.")
+    return load_trajectories(path, mdp.n_states, mdp.n_actions, mdp.horizon)
 
 
 def build_oracle(config: RunConfig, world: World) -> Oracle:

@@ -125,8 +125,8 @@ def feature_difference_stated(m: Arithmetic, *, B: Value, n: Value) -> Value:
     r"""Statement: :math:`\|\phi^{\hat P}(\pi_1)-\phi^{\hat P}(\pi_2)\|_2\le4\sqrt2B/\sqrt n` for policies of the
     confidence set.
 
-    Source: ``local:feature_difference_main``; false (audit M9), repaired by ``feature_difference_repaired``. Assumptions:
-    bounded features. Arguments: ``B`` > 0, ``n`` positive integer. Returns a bound claimed for a feature norm. Errors:
+    Source: ``local:feature_difference_main``; false (M9), see ``feature_difference_repaired``. Assumptions: bounded
+    features. Arguments: ``B`` > 0, ``n`` positive integer. Returns a bound claimed for a feature norm. Errors:
     ``InputError``.
 
     >>> float(feature_difference_stated.estimate(B=1, n=32))

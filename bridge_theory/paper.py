@@ -75,6 +75,23 @@ def entry(name: str) -> Entry:
     return known[name]
 
 
+def where(name: str) -> str:
+    """Where a statement lives: the dotted names of the formulas that come from it, or the note on why there is none.
+
+    Raises:
+        InputError: the paper has no such statement.
+
+    >>> where("lemma:regret_analysis")
+    'bridge_theory.regret.unknown.regret_unknown_stated'
+    >>> where("eq:constr")
+    'definition: the projection, computed by bridge_algos'
+    """
+    from bridge_theory.catalog import FORMULAS  # the map is readable without loading every formula
+
+    note = entry(name).note
+    return note or ", ".join(f"{f.function.__module__}.{f.name}" for f in FORMULAS.values() if f.source == name)
+
+
 def locate(tex: str) -> dict[str, LatexStatement]:
     r"""Every statement of a LaTeX source under its name: its label, its local name, or ``unnamed:KIND:CHARACTER``.
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from bridge_theory import paper
+from bridge_theory.catalog import FORMULAS
 from bridge_theory.errors import InputError
 from bridge_theory.latex_statements import paragraph_around, read_statements, strip_comments
 
@@ -108,3 +109,27 @@ def test_a_paragraph_is_found_only_by_an_unambiguous_anchor() -> None:
         paragraph_around("one\n\none", "one")
     with pytest.raises(LookupError, match="occurs 0 times"):
         paragraph_around("one % two", "two")
+
+
+def test_every_statement_lives_in_a_formula_or_says_why_not() -> None:
+    homeless = [name for name in paper.entries() if not paper.where(name)]
+    assert homeless == []
+    assert paper.where("local:beta_t") == "bridge_theory.online.confidence.beta_t"
+
+
+def test_no_statement_has_both_a_formula_and_an_excuse() -> None:
+    sources = {formula.source for formula in FORMULAS.values()}
+    assert [name for name, entry in paper.entries().items() if entry.note and name in sources] == []
+
+
+def test_every_formula_comes_from_the_paper_or_the_audit() -> None:
+    for formula in FORMULAS.values():
+        assert formula.source in paper.entries() or formula.source.startswith("audit "), formula
+
+
+def test_statements_said_to_be_repeated_point_to_one_with_a_formula() -> None:
+    repeated = [
+        match[1] for e in paper.entries().values() if (match := re.search(r"same statement as (\S+?)(,|$)", e.note))
+    ]
+    assert len(repeated) == 5
+    assert all(not paper.entry(name).note for name in repeated)

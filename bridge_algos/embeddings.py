@@ -29,6 +29,7 @@ import numpy as np
 
 from bridge_algos.mdp import Dynamics, FloatArray, IntArray
 from bridge_algos.occupancy import blocks, state_occupancies
+from bridge_algos.shapes import Features, Occupancies, PairTable, PerPolicy, Policies, PolicyStates
 from bridge_algos.trajectories import Trajectories, sample_paths
 from bridge_theory.errors import InputError
 
@@ -73,24 +74,24 @@ def make_embedding(name: str, n_states: int, n_actions: int, horizon: int) -> Em
     def counts(t: Trajectories) -> FloatArray:
         return np.asarray(states[t.states].sum(axis=1))
 
-    def action_totals(per_state: FloatArray, policies: IntArray) -> FloatArray:
+    def action_totals(per_state: PolicyStates, policies: Policies) -> FloatArray:
         return np.asarray(np.einsum("ns,nsa->na", per_state, actions[policies]))
 
-    def short(occupancy: FloatArray, policies: IntArray) -> FloatArray:
+    def short(occupancy: Occupancies, policies: Policies) -> Features:
         visits = occupancy.sum(axis=1)
         return np.concatenate([visits, action_totals(visits, policies)], axis=1)
 
     def short_of(t: Trajectories) -> FloatArray:
         return np.concatenate([counts(t), actions[t.actions].sum(axis=1)], axis=1)
 
-    def long(occupancy: FloatArray, policies: IntArray) -> FloatArray:
+    def long(occupancy: Occupancies, policies: Policies) -> Features:
         per_step = np.einsum("nhs,nsa->nha", occupancy, actions[policies])
         return np.concatenate([occupancy, per_step], axis=2).reshape(len(policies), -1)
 
     def long_of(t: Trajectories) -> FloatArray:
         return np.concatenate([states[t.states], actions[t.actions]], axis=2).reshape(len(t), -1)
 
-    def pairs(occupancy: FloatArray, policies: IntArray) -> FloatArray:
+    def pairs(occupancy: Occupancies, policies: Policies) -> Features:
         visits = occupancy.sum(axis=1)
         return np.asarray((visits[:, :, None] * actions[policies]).reshape(len(policies), -1))
 
@@ -143,7 +144,7 @@ def linear_embedding(name: str, weights: FloatArray, bound: float | None = None)
         raise InputError(f"the bound of embedding {name!r} is {bound}, expected a positive number.")
     steps, every_state = np.arange(horizon), np.arange(n_states)
 
-    def expectation(occupancy: FloatArray, policies: IntArray) -> FloatArray:
+    def expectation(occupancy: Occupancies, policies: Policies) -> Features:
         chosen = weights[:, every_state, policies].swapaxes(0, 1)
         return np.asarray(np.einsum("nhs,nhsd->nd", occupancy, chosen))
 
@@ -155,8 +156,8 @@ def linear_embedding(name: str, weights: FloatArray, bound: float | None = None)
 
 
 def expected_features(
-    dynamics: Dynamics, policies: IntArray, embedding: Embedding, step_costs: FloatArray | None = None, steps: int = 0
-) -> tuple[FloatArray, FloatArray]:
+    dynamics: Dynamics, policies: Policies, embedding: Embedding, step_costs: PairTable | None = None, steps: int = 0
+) -> tuple[Features, PerPolicy]:
     r"""Exact features :math:`\phi^P(\pi)` and expected step costs of many deterministic policies, in one pass.
 
     Args:
@@ -183,18 +184,18 @@ def expected_features(
 class SampledFeatures:
     """Monte-Carlo features (N, d) with standard errors (N, d), and the mean step costs (N,) of the same rollouts."""
 
-    means: FloatArray
-    standard_errors: FloatArray
-    costs: FloatArray
+    means: Features
+    standard_errors: Features
+    costs: PerPolicy
 
 
 def sampled_features(
     dynamics: Dynamics,
-    policies: IntArray,
+    policies: Policies,
     embedding: Embedding | SampledEmbedding,
     rollouts: int,
     rng: np.random.Generator,
-    step_costs: FloatArray | None = None,
+    step_costs: PairTable | None = None,
     steps: int = 0,
 ) -> SampledFeatures:
     """Features and step costs of policies (N, S), estimated from ``rollouts`` trajectories each.

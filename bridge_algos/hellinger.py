@@ -14,8 +14,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bridge_algos.mdp import Dynamics, FloatArray, IntArray
+from bridge_algos.mdp import Dynamics, FloatArray
 from bridge_algos.policies import action_probabilities
+from bridge_algos.shapes import PerPolicy, Policy, PolicyStates
 from bridge_theory.errors import InputError
 
 CACHED_ROWS = 8192
@@ -57,7 +58,7 @@ def _per_step(dynamics: Dynamics) -> FloatArray:
     return kernel[None] if kernel.ndim == 3 else kernel
 
 
-def disagreement_probability(dynamics: Dynamics, center: IntArray, disagree: FloatArray) -> FloatArray:
+def disagreement_probability(dynamics: Dynamics, center: Policy, disagree: PolicyStates) -> PerPolicy:
     r"""H^2 to a deterministic centre: the probability that its trajectory meets a state where the other disagrees.
 
     For deterministic policies under one kernel :math:`H^2(P^\pi, P^c) = TV = P^c(\text{hit } D)` with

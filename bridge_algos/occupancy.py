@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from bridge_algos.mdp import Dynamics, FloatArray, IntArray
 from bridge_algos.policies import action_probabilities, check_actions
+from bridge_algos.shapes import Occupancies, Policies, PolicyStates
 from bridge_theory.errors import InputError
 
 BLOCK = 1024
@@ -23,7 +24,7 @@ CACHED_ENTRIES = 2**16
 """Numbers (policies, S, S) worked on at a time, so that they stay in the processor's cache."""
 
 
-def blocks(policies: IntArray, n_states: int, n_actions: int) -> Iterator[tuple[slice, IntArray]]:
+def blocks(policies: np.ndarray, n_states: int, n_actions: int) -> Iterator[tuple[slice, Policies]]:
     """Consecutive blocks of a batch of deterministic policies (N, S), after checking shape and range."""
     if policies.ndim != 2 or policies.shape[1] != n_states or policies.dtype.kind not in "iu":
         raise InputError(
@@ -35,7 +36,7 @@ def blocks(policies: IntArray, n_states: int, n_actions: int) -> Iterator[tuple[
         yield slice(start, start + size), policies[start : start + size]
 
 
-def state_occupancies(dynamics: Dynamics, policies: IntArray) -> FloatArray:
+def state_occupancies(dynamics: Dynamics, policies: Policies) -> Occupancies:
     """Per-step state occupancies of one block of deterministic policies.
 
     Args:
@@ -77,7 +78,7 @@ def state_action_occupancies(dynamics: Dynamics, policy: ArrayLike) -> FloatArra
     return occupancy
 
 
-def total_occupancies(dynamics: Dynamics, policies: IntArray, steps: int | None = None) -> FloatArray:
+def total_occupancies(dynamics: Dynamics, policies: np.ndarray, steps: int | None = None) -> PolicyStates:
     r"""Expected visits :math:`\sum_{h \le steps} d_h(s)` of deterministic policies.
 
     Args:
@@ -94,7 +95,7 @@ def total_occupancies(dynamics: Dynamics, policies: IntArray, steps: int | None 
     return totals
 
 
-def visit_probabilities(dynamics: Dynamics, policies: IntArray) -> FloatArray:
+def visit_probabilities(dynamics: Dynamics, policies: Policies) -> PolicyStates:
     """Probability that a trajectory visits each state at least once, (N, S), for deterministic policies (N, S)."""
     result = np.empty(policies.shape)
     n_states = dynamics.n_states

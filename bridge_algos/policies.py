@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bridge_algos.mdp import FloatArray, IntArray
+from bridge_algos.mdp import FloatArray
+from bridge_algos.shapes import Policies
 from bridge_theory.errors import InputError
 
 
@@ -55,12 +56,12 @@ def check_actions(policies: NDArray[np.integer], n_actions: int) -> None:
         )
 
 
-def all_policies(n_states: int, n_actions: int) -> IntArray:
+def all_policies(n_states: int, n_actions: int) -> Policies:
     """All A^S deterministic stationary policies, (A^S, S), the last state's action running fastest."""
     grids = np.indices((n_actions,) * n_states, dtype=np.int64)
     return np.ascontiguousarray(grids.reshape(n_states, -1).T)
 
 
-def random_policies(n: int, n_states: int, n_actions: int, rng: np.random.Generator) -> IntArray:
+def random_policies(n: int, n_states: int, n_actions: int, rng: np.random.Generator) -> Policies:
     """n independent uniform deterministic stationary policies, (n, S)."""
     return rng.integers(n_actions, size=(n, n_states), dtype=np.int64)

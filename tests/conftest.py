@@ -1,4 +1,4 @@
-"""Deterministic tests: a fixed Hypothesis profile and a figure backend without a screen."""
+"""Deterministic tests and a figure backend without a screen."""
 
 import matplotlib
 import numpy as np

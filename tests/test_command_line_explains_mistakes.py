@@ -92,7 +92,8 @@ def test_interruption_has_its_own_status(monkeypatch, capsys) -> None:
     assert "interrupted" in capsys.readouterr().err
 
 
-def test_demonstrations_of_another_environment_are_refused(tmp_path: Path, capsys) -> None:
+def test_demonstrations_of_another_environment_are_refused(tmp_path: Path, capsys, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
     demos = tmp_path / "demos.npz"
     save_trajectories(demos, Trajectories(np.zeros((3, 5), dtype=np.int64), np.zeros((3, 5), dtype=np.int64)))
     for arguments in (["run", "starmdp", "--demos", str(demos)], ["bounds", "--mdp", "starmdp", "--demos", str(demos)]):
@@ -117,7 +118,8 @@ def test_own_mdp_and_demonstrations_run(tmp_path: Path, capsys) -> None:
     assert "offline_radius_mass" in printed
 
 
-def test_damaged_mdp_files_are_refused(tmp_path: Path, capsys) -> None:
+def test_damaged_mdp_files_are_refused(tmp_path: Path, capsys, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
     path = tmp_path / "mine.npz"
     mdp = make_mdp("starmdp")
     save_mdp(path, mdp)

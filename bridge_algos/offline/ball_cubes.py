@@ -14,6 +14,7 @@ import numpy as np
 
 from bridge_algos.hellinger import disagreement_probability
 from bridge_algos.mdp import Dynamics, FloatArray, IntArray
+from bridge_algos.shapes import Policy
 from bridge_theory.errors import InputError
 
 ROUNDING_SLACK = 1e-12
@@ -44,7 +45,7 @@ class Cubes:
         return [(a - 1) ** differing * a**free for differing, free in pairs]
 
 
-def ball_cubes(dynamics: Dynamics, center: IntArray, squared_radius: float) -> Cubes:
+def ball_cubes(dynamics: Dynamics, center: Policy, squared_radius: float) -> Cubes:
     """All deterministic stationary policies with H^2 <= r^2 to the centre, as disjoint cubes.
 
     Raises:

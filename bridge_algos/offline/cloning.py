@@ -12,14 +12,14 @@ from typing import Literal
 
 import numpy as np
 
-from bridge_algos.mdp import FloatArray, IntArray
+from bridge_algos.shapes import PairCounts, PairTable, Policy
 from bridge_algos.trajectories import Trajectories
 from bridge_theory.errors import InputError
 
 TieBreak = Literal["random", "first"]
 
 
-def action_counts(demonstrations: Trajectories, n_states: int, n_actions: int) -> IntArray:
+def action_counts(demonstrations: Trajectories, n_states: int, n_actions: int) -> PairCounts:
     """How often each action was taken in each state, (S, A), over all H recorded pairs."""
     demonstrations.checked(n_states, n_actions)
     counts = np.zeros((n_states, n_actions), dtype=np.int64)
@@ -28,8 +28,8 @@ def action_counts(demonstrations: Trajectories, n_states: int, n_actions: int) -
 
 
 def clone_deterministic(
-    counts: IntArray, rng: np.random.Generator | None = None, tie_break: TieBreak = "random"
-) -> IntArray:
+    counts: PairCounts, rng: np.random.Generator | None = None, tie_break: TieBreak = "random"
+) -> Policy:
     """The deterministic stationary clone (S,): the most frequent action of each state.
 
     With noisy demonstrations no deterministic policy has positive likelihood; the majority action is the one that
@@ -50,7 +50,7 @@ def clone_deterministic(
     return np.asarray(np.where(best, rng.random(counts.shape), -1.0).argmax(axis=1))
 
 
-def clone_stochastic(counts: IntArray) -> FloatArray:
+def clone_stochastic(counts: PairCounts) -> PairTable:
     """The stochastic stationary clone (S, A): action frequencies, uniform in unvisited states.
 
     >>> clone_stochastic(np.array([[3, 1], [0, 0]]))

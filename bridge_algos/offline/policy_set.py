@@ -11,9 +11,10 @@ from functools import cached_property
 import numpy as np
 
 from bridge_algos.hellinger import disagreement_probability
-from bridge_algos.mdp import Dynamics, FloatArray, IntArray
+from bridge_algos.mdp import Dynamics, IntArray
 from bridge_algos.offline.ball_cubes import ROUNDING_SLACK, Cubes, ball_cubes
 from bridge_algos.policies import random_policies
+from bridge_algos.shapes import PerPolicy, Policies
 from bridge_theory.errors import InputError
 
 PROPOSED_ENTRIES = 2**22
@@ -38,10 +39,10 @@ class PolicySet:
         if not self.radius >= 0:
             raise InputError(f"the radius is {self.radius}, expected a number of at least 0 (1 keeps every policy).")
 
-    def distances(self, policies: IntArray) -> FloatArray:
+    def distances(self, policies: Policies) -> PerPolicy:
         """Hellinger distances H (not squared) of policies (N, S) to the centre, (N,)."""
         disagree = (policies != self.center).astype(np.float64)
-        return np.sqrt(disagreement_probability(self.dynamics, self.center, disagree))
+        return np.asarray(np.sqrt(disagreement_probability(self.dynamics, self.center, disagree)))
 
     def contains(self, policies: IntArray) -> np.ndarray:
         """Which of the policies (N, S), or whether the one policy (S,), lies in the set; booleans (N,) or ()."""
@@ -59,7 +60,7 @@ class PolicySet:
         """The exact number of policies in the set, out of A^S, as a Python integer."""
         return sum(self.cubes.sizes())
 
-    def enumerate(self, limit: int = 100_000) -> IntArray:
+    def enumerate(self, limit: int = 100_000) -> Policies:
         """Every policy of the set, (count, S); InputError when there are more than ``limit``."""
         count = self.count()
         if count > limit:
@@ -68,7 +69,7 @@ class PolicySet:
             )
         return np.concatenate([self._cube(i) for i in range(len(self.cubes.disagree))])
 
-    def sample(self, n: int, rng: np.random.Generator) -> IntArray:
+    def sample(self, n: int, rng: np.random.Generator) -> Policies:
         """n independent policies, uniform over the set, (n, S)."""
         sizes = self.cubes.sizes()
         total = sum(sizes)
@@ -81,7 +82,7 @@ class PolicySet:
         other = (self.center + shift) % n_actions
         return np.where(free, anything, np.where(disagree, other, self.center))
 
-    def rejection_sample(self, proposals: int, rng: np.random.Generator) -> IntArray:
+    def rejection_sample(self, proposals: int, rng: np.random.Generator) -> Policies:
         """Those of ``proposals`` uniform random policies that lie in the set, without repetitions (the paper's way).
 
         When none does, the set is the centre alone: a learner needs at least one policy.

@@ -10,14 +10,15 @@ from typing import Literal
 
 import numpy as np
 
-from bridge_algos.mdp import FloatArray, IntArray
+from bridge_algos.mdp import FloatArray
+from bridge_algos.shapes import Kernel, TransitionCounts
 from bridge_algos.trajectories import Trajectories
 from bridge_theory.errors import InputError
 
 EmptyRow = Literal["self_loop", "uniform"]
 
 
-def transition_counts(trajectories: Trajectories, n_states: int, n_actions: int) -> IntArray:
+def transition_counts(trajectories: Trajectories, n_states: int, n_actions: int) -> TransitionCounts:
     """N(s, a, s') over the H - 1 transitions of each trajectory, (S, A, S)."""
     trajectories.checked(n_states, n_actions)
     counts = np.zeros((n_states, n_actions, n_states), dtype=np.int64)
@@ -26,7 +27,7 @@ def transition_counts(trajectories: Trajectories, n_states: int, n_actions: int)
     return counts
 
 
-def estimate_transitions(counts: IntArray, empty_row: EmptyRow = "self_loop") -> FloatArray:
+def estimate_transitions(counts: TransitionCounts, empty_row: EmptyRow = "self_loop") -> Kernel:
     r"""Maximum-likelihood kernel :math:`\hat P(s'|s,a) = N(s,a,s') / N(s,a)` (eq:trans_count_est).
 
     Args:

@@ -6,8 +6,8 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from bridge_algos.mdp import FloatArray
 from bridge_algos.online.policy_filter import widest_pair
+from bridge_algos.shapes import Features, Kept, PerPolicy
 from bridge_theory.errors import InputError
 
 PairRule = Literal["uncertainty_and_bonus", "max_uncertainty", "ucb", "greedy_vs_random"]
@@ -15,11 +15,11 @@ PairRule = Literal["uncertainty_and_bonus", "max_uncertainty", "ucb", "greedy_vs
 
 def choose_pair(
     rule: PairRule,
-    kept: np.ndarray,
-    scores: FloatArray,
-    z: FloatArray,
+    kept: Kept,
+    scores: PerPolicy,
+    z: Features,
     gamma: float,
-    bonus: FloatArray,
+    bonus: PerPolicy,
     rng: np.random.Generator,
 ) -> tuple[int, int]:
     """Indices of the two policies to play.

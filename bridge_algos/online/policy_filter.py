@@ -11,18 +11,19 @@ from __future__ import annotations
 import numpy as np
 
 from bridge_algos.mdp import FloatArray
+from bridge_algos.shapes import DataMatrix, Features, Kept, PerChallenger, PerPolicy
 
 TILE = 64
 
 
-def whiten(features: FloatArray, matrix: FloatArray) -> FloatArray:
+def whiten(features: Features, matrix: DataMatrix) -> Features:
     """Rows z with ||z_i - z_j||_2 = ||phi_i - phi_j||_{V^{-1}}."""
     return np.asarray(features @ np.linalg.inv(np.linalg.cholesky(matrix)).T)
 
 
 def surviving(
-    upper: FloatArray, lower: FloatArray, z: FloatArray, gamma: float, challengers: FloatArray | None = None
-) -> np.ndarray:
+    upper: PerPolicy, lower: PerChallenger, z: Features, gamma: float, challengers: FloatArray | None = None
+) -> Kept:
     """Which policies no challenger beats: no j with lower_j > upper_i + gamma ||z_i - z_j||.
 
     Challengers come in falling order of ``lower``; a policy whose ``upper`` reaches the best remaining ``lower``
@@ -73,7 +74,7 @@ def _excess_factors(
     return left, right
 
 
-def widest_pair(z: FloatArray, gamma: float, bonus: FloatArray) -> tuple[int, int]:
+def widest_pair(z: Features, gamma: float, bonus: PerPolicy) -> tuple[int, int]:
     r"""The pair maximising :math:`\gamma \|z_i - z_j\| + b_i + b_j` (algo:main line 7), exactly.
 
     A triangle inequality through the mean bounds each pair by u_i + u_j with u = gamma ||z - mean|| + b; tiles of the

@@ -14,13 +14,14 @@ import scipy.optimize
 
 from bridge_algos.mdp import FloatArray
 from bridge_algos.online.oracles import sigmoid
+from bridge_algos.shapes import Comparisons, DataMatrix, Outcomes, Weights
 from bridge_theory.errors import InputError
 
 GRADIENT_TOLERANCE = 1e-10
 """Newton stops when the gradient is this small relative to its largest possible size."""
 
 
-def fit_exact(x: FloatArray, outcomes: FloatArray, lam: float, start: FloatArray) -> FloatArray:
+def fit_exact(x: Comparisons, outcomes: Outcomes, lam: float, start: Weights) -> Weights:
     """The unique minimiser of the regularised logistic loss, by damped Newton.
 
     Args:
@@ -59,8 +60,8 @@ def fit_exact(x: FloatArray, outcomes: FloatArray, lam: float, start: FloatArray
 
 
 def fit_adam(
-    x: FloatArray, outcomes: FloatArray, lam: float, start: FloatArray, steps: int = 10, rate: float = 0.01
-) -> FloatArray:
+    x: Comparisons, outcomes: Outcomes, lam: float, start: Weights, steps: int = 10, rate: float = 0.01
+) -> Weights:
     """Ten full-batch Adam steps on the mean loss, as the published runs fit w; far from the optimum by design."""
     w = start.astype(np.float64)
     first, second = np.zeros_like(w), np.zeros_like(w)
@@ -72,7 +73,7 @@ def fit_adam(
     return w
 
 
-def project(w: FloatArray, x: FloatArray, lam: float, matrix: FloatArray, radius: float) -> FloatArray:
+def project(w: Weights, x: Comparisons, lam: float, matrix: DataMatrix, radius: float) -> Weights:
     r"""A point of the W-ball that minimises :math:`\|g(v) - g(w)\|_{V^{-1}}` locally (eq:constr).
 
     The problem is not convex; Gauss-Newton steps on the ball, started from w scaled to the sphere, never increase the
@@ -114,17 +115,17 @@ def project(w: FloatArray, x: FloatArray, lam: float, matrix: FloatArray, radius
     return v
 
 
-def projection_error(v: FloatArray, x: FloatArray, outcomes: FloatArray, lam: float, matrix: FloatArray) -> float:
+def projection_error(v: Weights, x: Comparisons, outcomes: Outcomes, lam: float, matrix: DataMatrix) -> float:
     r"""The solver error :math:`e_t(v) = \|g(v) - \sum_l o_l x_l\|_{V^{-1}}` of audit R1 (0 at the exact optimum)."""
     difference = _g(v, x, lam) - x.T @ outcomes
     return float(np.sqrt(max(0.0, float(difference @ np.linalg.solve(matrix, difference)))))
 
 
-def _g(w: FloatArray, x: FloatArray, lam: float) -> FloatArray:
+def _g(w: Weights, x: Comparisons, lam: float) -> Weights:
     return np.asarray(x.T @ sigmoid(x @ w) + lam * w)
 
 
-def _loss(w: FloatArray, x: FloatArray, outcomes: FloatArray, lam: float) -> float:
+def _loss(w: Weights, x: Comparisons, outcomes: Outcomes, lam: float) -> float:
     margin = x @ w
     return float((np.logaddexp(0, margin) - outcomes * margin).sum() + lam / 2 * (w @ w))
 

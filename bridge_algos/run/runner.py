@@ -33,8 +33,8 @@ def run(config: RunConfig, directory: Path, seeds: int, jobs: int = 1, progress:
         raise InputError(f"seeds is {seeds}, expected at least 1.")
     if jobs == 0:
         raise InputError("jobs is 0, expected a positive number of processes, or -1 for all cores.")
-    finished = open_run(directory, config)
     world = build_world(config)
+    finished = open_run(directory, config)
     missing = [seed for seed in range(seeds) if seed not in finished]
     show = sys.stderr.isatty() if progress is None else progress
     with tqdm(total=seeds, initial=seeds - len(missing), unit="seed", desc=config.environment, disable=not show) as bar:

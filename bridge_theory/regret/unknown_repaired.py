@@ -11,7 +11,7 @@ from bridge_theory.preference import kappa_differences
 from bridge_theory.regret.known_repaired import regret_known_apriori
 from bridge_theory.regret.trivial import IN_SET, twice_range
 
-_PLAY = (IN_SET, "each round plays the exact arg-max pair, after an exact projection")
+_PLAY = (IN_SET, "each round plays the exact arg-max pair, after an exact projection, with exact features")
 _COVERED = "every pair of the expert has at least n gamma_min / 2 recorded transitions (see coverage_failure)"
 _P_FALLS, _M_FALLS = falls("L_T falls"), falls("log(1/delta_M) falls")
 _SUM_MONOTONE = {

@@ -167,6 +167,7 @@ from bridge_theory.regret.unknown_repaired import (
     radius_sum_covered,
     regret_unknown_covered,
     regret_unknown_repaired,
+    regret_unknown_version_space,
 )
 from bridge_theory.setting import Setting
 from bridge_theory.solve import solve_for
@@ -293,6 +294,7 @@ __all__ = [
     "regret_unknown_repaired",
     "regret_unknown_squared",
     "regret_unknown_stated",
+    "regret_unknown_version_space",
     "regret_width",
     "row_error_at_step",
     "row_error_summed",

@@ -155,6 +155,7 @@ BY_HAND: dict[str, float] = {
     "radius_sum_covered": Gamma_covered,
     "regret_unknown_repaired": theorem_u(Gamma),
     "regret_unknown_covered": theorem_u(Gamma_covered),
+    "regret_unknown_version_space": 2 * B * W * T * (1 - (0.0625 / (2**S - 1)) ** (1 / n)),
     "gamma_true_bonus": sqrt(2) * gamma_T + 1 / T + 4 * sqrt(squares + 24 * T * epsilon * H**2 * W * B),
     "regret_unknown_stated": 2
     * (sqrt(2) * gamma_T + 1 / T + 4 * sqrt(squares + 24 * T * epsilon * H**2 * W * B)) * sqrt(T * 6.5) + 4.25,

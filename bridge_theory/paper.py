@@ -17,7 +17,6 @@ from bridge_theory.errors import InputError
 from bridge_theory.latex_statements import (
     LatexStatement,
     paragraph_around,
-    position_of,
     read_statements,
     strip_comments,
 )
@@ -106,12 +105,12 @@ def locate(tex: str) -> dict[str, LatexStatement]:
     located = {label: statement for statement in statements for label in statement.labels}
     unlabelled = {statement.start: statement for statement in statements if not statement.labels}
     for known in entries().values():
-        if not known.anchor or known.anchor not in source:
+        if not known.anchor or source.count(known.anchor) != 1:
             continue
         if known.kind == "passage":
             located[known.name] = paragraph_around(tex, known.anchor)
             continue
-        at = position_of(source, known.anchor)
+        at = source.index(known.anchor)
         around = [s for s in unlabelled.values() if s.start <= at < s.start + len(s.text)]
         if around:
             located[known.name] = unlabelled.pop(max(s.start for s in around))

@@ -194,8 +194,7 @@ def exact_recovery_failure(m: Arithmetic, *, S_reach: Value, n: Value, gamma_min
     >>> round(float(exact_recovery_failure.estimate(S_reach=5, n=100, gamma_min=0.1)), 8)
     0.00013281
     """
-    # through the logarithm: an exact power of a rational would have as many digits as n
-    return m.if_at_most(m.number(1), gamma_min, lambda: m.number(0), lambda: S_reach * m.exp(n * m.log1p(-gamma_min)))
+    return S_reach * (1 - gamma_min) ** n
 
 
 @bound(

@@ -74,6 +74,26 @@ def test_a_new_statement_shows_as_unknown(tex: str) -> None:
     assert set(paper.locate(revised)) - set(paper.entries()) == {"lem:new"}
 
 
+def test_a_label_given_to_an_unlabelled_statement_replaces_its_local_name(tex: str) -> None:
+    revised = tex.replace(r"\begin{lemma}[Concentrability coefficient bound] ", r"\begin{lemma}\label{lem:new}", 1)
+    assert paper.stale_entries(revised) == ("local:concentrability_main",)
+    assert set(paper.locate(revised)) - set(paper.entries()) == {"lem:new"}
+
+
+def test_statements_are_found_by_label_by_anchor_and_by_paragraph() -> None:
+    lemma, passage = paper.entry("local:regret_known_dynamics"), paper.entry("local:kappa")
+    found = paper.locate(
+        rf"""\section{{A}} \begin{{lemma}} {lemma.anchor} \end{{lemma}} \begin{{remark}} r \end{{remark}}
+
+        Here ${passage.anchor}$ is defined. % and not here
+
+        \begin{{lemma}} \label{{lem:b}} {paper.entry("local:realizability").anchor} \end{{lemma}}"""
+    )
+    assert {name for name in found if not name.startswith("unnamed")} == {"lem:b", lemma.name, passage.name}
+    assert [statement.kind for name, statement in found.items() if name.startswith("unnamed")] == ["remark"]
+    assert found[passage.name].text.endswith("is defined. ")
+
+
 def test_an_unknown_name_is_refused_with_near_names() -> None:
     with pytest.raises(InputError, match=r"no statement named 'feature_diff_b'; did you mean lemma:feature_diff_b"):
         paper.entry("feature_diff_b")
@@ -101,6 +121,11 @@ def test_a_label_belongs_to_the_innermost_statement_around_it() -> None:
 def test_an_environment_that_closes_nothing_is_an_error() -> None:
     with pytest.raises(ValueError, match="closes nothing open"):
         read_statements(r"\begin{lemma} \end{theorem}")
+
+
+def test_fingerprints_ignore_wrapping_and_nothing_else() -> None:
+    one, wrapped, other = (paragraph_around(text, "let") for text in ("let x  be", "let x\nbe", "let y be"))
+    assert one.fingerprint == wrapped.fingerprint != other.fingerprint
 
 
 def test_a_paragraph_is_found_only_by_an_unambiguous_anchor() -> None:

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bridge_algos.mdp import Dynamics, FloatArray, IntArray
+from bridge_algos.mdp import Dynamics, FloatArray
 from bridge_algos.policies import action_probabilities, check_actions
 from bridge_algos.shapes import Occupancies, Policies, PolicyStates
 from bridge_theory.errors import InputError

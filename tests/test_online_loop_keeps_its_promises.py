@@ -29,6 +29,8 @@ def test_theory_preset_keeps_the_optimum_and_never_has_negative_pseudo_regret(al
     for seed in range(5):
         result = run_seed(config, world, seed)
         assert result.optimum_in_offline_set == 1
+        assert result.expert_in_zero == 1
+        assert result.expert_distance == 0
         assert bool((result.optimum_kept == 1).all())
         assert bool((result.pseudo_regret >= -1e-9).all())
         assert bool((result.weight_error < 2 * world.weight_bound + 1e-9).all())
@@ -121,3 +123,12 @@ def test_stated_multiplier_grows_and_dwarfs_the_repaired_one() -> None:
     started = RoundState(1, np.eye(3) * narrow.initial_scale, 0.0, [], [])
     assert narrow.multiplier(started) < wide.multiplier(state)
     assert narrow.multiplier(RoundState(1, started.matrix, 1.0, [], [])) > narrow.multiplier(started)
+
+
+def test_a_time_dependent_expert_demonstrates_too() -> None:
+    config = STAR.but(expert="finite-horizon-lp", n_demonstrations=50, algorithms=("bridge", "bc"))
+    world = build_world(config)
+    assert world.expert.policy.shape == (8, 5)
+    result = run_seed(config, world, 0)
+    assert result.attrs["expert_return"] >= result.attrs["optimum_return"]
+    assert 0 <= float(result.expert_distance) <= 1

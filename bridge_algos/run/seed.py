@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from importlib.metadata import version
 from typing import Any
 
@@ -16,19 +15,16 @@ from bridge_algos.hellinger import squared_hellinger
 from bridge_algos.mdp import FloatArray, IntArray
 from bridge_algos.offline.cloning import action_counts, add_action_noise, clone_deterministic
 from bridge_algos.offline.policy_set import PolicySet
-from bridge_algos.offline.transitions import estimate_transitions, transition_counts
-from bridge_algos.online.confidence import Confidence, fixed, repaired, stated
-from bridge_algos.online.loop import RECORDED, Learner, OnlineProblem, run_online
-from bridge_algos.policies import all_policies, random_policies
-from bridge_algos.run.config import ALGORITHMS, RunConfig
+from bridge_algos.offline.transitions import transition_counts
+from bridge_algos.online.loop import RECORDED, OnlineProblem, run_online
+from bridge_algos.run.config import RunConfig
+from bridge_algos.run.learners import make_learner, transition_fit
+from bridge_algos.run.streams import stream
 from bridge_algos.run.world import World, build_oracle
 from bridge_algos.trajectories import sample_trajectories
 from bridge_theory.errors import InputError
 
 PACKAGES = ("bridge-rl", "numpy", "scipy", "xarray", "cvxpy", "highspy", "python-flint", "gymnasium")
-
-WORK_LIMIT = 1e12
-"""Multiplications allowed in one step (about a minute), so that a too large problem is refused and not waited for."""
 
 UNITS = {
     "pseudo_regret": "reward per trajectory",
@@ -42,12 +38,6 @@ UNITS = {
     "log_det": "nats",
     "seconds": "s",
 }
-
-
-def stream(seed: int, purpose: str) -> np.random.Generator:
-    """The generator of one purpose within a seed: a purpose's numbers do not depend on what else is run."""
-    purposes = ("demonstrations", "noise", "ties", "candidates", "search", "network", *ALGORITHMS)
-    return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(purposes.index(purpose),)))
 
 
 def run_seed(config: RunConfig, world: World, seed: int) -> xr.Dataset:
@@ -70,8 +60,7 @@ def _run_seed(config: RunConfig, world: World, seed: int) -> xr.Dataset:
     pairs = action_counts(demonstrations, mdp.n_states, mdp.n_actions)
     counts = transition_counts(demonstrations, mdp.n_states, mdp.n_actions)
     clone = clone_deterministic(pairs, stream(seed, "ties"), config.tie_break)
-    fit = _transition_fit(config, stream(seed, "network"))
-    estimate = mdp.dynamics.under(fit(counts))
+    estimate = mdp.dynamics.under(transition_fit(config, stream(seed, "network"))(counts))
     radius = world.radii[config.radius] if isinstance(config.radius, str) else float(config.radius)
     problem = OnlineProblem(
         mdp, world.embedding, build_oracle(config, world), world.optimum, world.expert.expected_return, world.w_star
@@ -83,30 +72,10 @@ def _run_seed(config: RunConfig, world: World, seed: int) -> xr.Dataset:
             records[name] = _constant(config, world, clone)
             best[name] = records[name]["suboptimality"][0]
             continue
-        known = name == "bridge-known"
-        ball = PolicySet(mdp.dynamics, clone, radius) if known else offline
-        policies = _candidates(config, ball, stream(seed, "candidates"))
-        if name == "pbrl":
-            policies = _search_space(config, policies, mdp.n_states, mdp.n_actions, stream(seed, "search"))
-        name_of_limit = "candidate_limit" if config.candidates == "exact" else "search_size"
-        _afford(name_of_limit, len(policies), mdp.horizon * mdp.n_states**2 * mdp.n_actions)
-        learner = Learner(
-            name=name,
-            policies=policies,
-            counts=None if known else np.zeros_like(counts) if name == "pbrl" else counts,
-            confidence=_confidence(config, world, known),
-            pair_rule=config.pair_rule,
-            weight_bound=world.weight_bound,
-            slope=config.slope,
-            lam=config.lam,
-            comparisons=config.comparisons,
-            fit=config.fit,
-            rollouts=config.rollouts,
-            estimate=fit,
-        )
+        learner = make_learner(name, config, world, offline, counts, seed)
         records[name] = run_online(problem, learner, config.rounds, stream(seed, name))
-        best[name] = world.expert.expected_return - expected_returns(mdp, policies).max()
-    distance = np.sqrt(squared_hellinger(estimate, world.expert.policy, estimate, clone))
+        best[name] = world.expert.expected_return - expected_returns(mdp, learner.policies).max()
+    distance = _expert_distance(world, offline)
     scalars = {
         "clone_return": (expected_return(mdp, clone), "reward per trajectory"),
         "expert_distance": (distance, "Hellinger distance to the clone under the estimate"),
@@ -117,10 +86,19 @@ def _run_seed(config: RunConfig, world: World, seed: int) -> xr.Dataset:
     }
     for name, value in world.radii.items():
         scalars[f"radius_{name}"] = (value, "Hellinger distance")
-        scalars[f"expert_in_{name}"] = (float(distance <= value + 1e-9), "1 = yes")
+        scalars[f"expert_in_{name}"] = (float(distance <= value), "1 = yes")
     return _dataset(config, world, seed, records, scalars).assign(
         best_candidate=("algorithm", list(best.values()), {"units": "reward per trajectory below the expert"})
     )
+
+
+def _expert_distance(world: World, offline: PolicySet) -> float:
+    """Hellinger distance of the expert to the clone under the estimate; zero where it may be rounding alone."""
+    expert, estimate = world.expert.policy, offline.dynamics
+    if expert.ndim == 1:
+        return float(offline.distances(expert[None])[0])
+    squared = squared_hellinger(estimate, expert, estimate, offline.center)
+    return float(np.sqrt(squared)) if squared > 1e-12 else 0.0
 
 
 def _constant(config: RunConfig, world: World, clone: IntArray) -> dict[str, FloatArray]:
@@ -131,58 +109,6 @@ def _constant(config: RunConfig, world: World, clone: IntArray) -> dict[str, Flo
     record["pseudo_regret"][:] = world.expert.best_stationary.value - value
     record["set_size"][:] = 1
     return record
-
-
-def _candidates(config: RunConfig, ball: PolicySet, rng: np.random.Generator) -> IntArray:
-    """Candidates from the offline set, in random order, so that the order of policies breaks no tie."""
-    dynamics = ball.dynamics
-    if config.candidates == "rejection":
-        _afford("proposals", config.proposals, dynamics.horizon * dynamics.n_states**2)
-        policies = ball.rejection_sample(config.proposals, rng)
-    elif ball.count() <= config.candidate_limit:
-        policies = ball.enumerate(config.candidate_limit)
-    else:
-        policies = ball.sample(config.candidate_limit, rng)
-    return rng.permutation(policies)
-
-
-def _afford(entry: str, policies: int, work_per_policy: int) -> None:
-    """Refuse a size with which one step of the run would take many minutes."""
-    if policies * work_per_policy > WORK_LIMIT:
-        raise InputError(
-            f"{entry} leads to {policies:,} policies at {work_per_policy:.1e} multiplications each, more than this "
-            f"package does in one step ({WORK_LIMIT:.0e}); set {entry} to at most "
-            f"{int(WORK_LIMIT // work_per_policy)}, or shorten the horizon."
-        )
-
-
-def _search_space(
-    config: RunConfig, ball: IntArray, n_states: int, n_actions: int, rng: np.random.Generator
-) -> IntArray:
-    """PbRL's search space: all policies, or the offline candidates and random policies up to ``search_size``."""
-    if n_actions**n_states <= config.candidate_limit:
-        return rng.permutation(all_policies(n_states, n_actions))
-    missing = max(0, config.search_size - len(ball))
-    return rng.permutation(np.concatenate([ball, random_policies(missing, n_states, n_actions, rng)]))
-
-
-def _transition_fit(config: RunConfig, rng: np.random.Generator) -> Callable[[IntArray], FloatArray]:
-    if config.transition_model == "counts":
-        return lambda counts: estimate_transitions(counts, config.empty_row)
-    from bridge_algos.continuous.transition_mlp import fit_transition_mlp
-
-    return lambda counts: fit_transition_mlp(counts, rng)
-
-
-def _confidence(config: RunConfig, world: World, known: bool) -> Confidence:
-    mdp, embedding = world.mdp, world.embedding
-    size = (mdp.n_states, mdp.n_actions, mdp.horizon)
-    if config.confidence == "fixed":
-        return fixed(config.gamma, config.bonus_multiplier, *size, config.lam)
-    model = (embedding.bound, world.weight_bound, embedding.dimension)
-    if config.confidence == "stated":
-        return stated(*model, *size, config.rounds, config.lam, config.delta, known)
-    return repaired(*model, *size, config.lam, config.delta, config.delta)
 
 
 def _count(offline: PolicySet) -> float:

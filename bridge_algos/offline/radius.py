@@ -3,8 +3,8 @@ r"""The radius of the offline set, by name.
 - ``stated``: thm:tabular_confidence_set; needs gamma_min, which only the true dynamics and expert know.
 - ``repaired``: audit T9 with T7(b) for the clone and T6(ii) + T11 for the transitions, over the S rows that the expert
   uses; no gamma_min.
-- ``zero``: audit T8, the version space; contains a deterministic stationary expert surely when the estimate is the
-  count MLE closed by self-loops.
+- ``zero``: audit T8, the version space of all policies that agree with the demonstrations; contains a deterministic
+  stationary expert surely when the demonstrations are not noisy (see :mod:`bridge_algos.offline.version_space`).
 """
 
 from __future__ import annotations

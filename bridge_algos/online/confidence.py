@@ -19,6 +19,7 @@ import numpy as np
 import bridge_theory as theory
 from bridge_algos.mdp import Dynamics, FloatArray, IntArray
 from bridge_algos.occupancy import total_occupancies
+from bridge_theory.bound import Bound
 from bridge_theory.errors import InputError
 
 ROUNDING = 1 + 1e-9
@@ -104,15 +105,17 @@ def stated(
         return float(theory.gamma_known.estimate(t=state.t, T=rounds, **model))
 
     def unknown_multiplier(state: RoundState) -> float:
-        grid = 1 + 4 * weight_bound * (state.t**2 * kappa * lam + 4 * embedding_bound**2 * state.t**3)
+        epsilon = theory.net_scale.estimate(t=state.t, lam=lam, B=embedding_bound, W=weight_bound)
+        shared = _positive(theory.net_delta, W=weight_bound, d=dimension, epsilon=epsilon, delta=delta)
         squares = 0.0
         for age, (visits, counts) in enumerate(zip(state.played_visits, state.counts_then, strict=True), start=1):
-            failure = delta / grid**dimension / (8 * age**3 * n_actions**n_states)
+            failure = _positive(theory.step_bonus_delta, S=n_states, A=n_actions, t=age, delta=shared)
             squares += float(((visits * bonus(counts, failure)).sum(axis=(1, 2)) ** 2).sum())
         return float(theory.gamma_unknown.estimate(t=state.t, T=rounds, bonus_square_sum=squares, **model))
 
     def step_bonus(counts: IntArray) -> FloatArray:
-        return bonus(counts, delta / (2 * n_actions**n_states))
+        failure = _positive(theory.online_bonus_delta, S=n_states, A=n_actions, delta=delta)
+        return bonus(counts, failure)
 
     return Confidence(
         "stated",
@@ -124,6 +127,21 @@ def stated(
         kappa * lam,
         needs_history=not known,
     )
+
+
+def _positive(probability: Bound, **parameters: float) -> float:
+    """A failure probability of the paper, unless A^S makes it smaller than any double."""
+    with np.errstate(all="ignore"):
+        try:
+            value = float(probability.estimate(**parameters))
+        except (OverflowError, FloatingPointError, InputError):
+            value = 0.0
+    if not value > 0:
+        raise InputError(
+            "the stated bonus shares its failure probability among A^S policies, which underflows double precision "
+            "here; use confidence=repaired, which needs no such union."
+        )
+    return value
 
 
 def repaired(

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from bridge_algos.embeddings import Embedding, SampledEmbedding, expected_features, sampled_features
-from bridge_algos.evaluation import expected_returns
+from bridge_algos.evaluation import expected_returns, rounding_allowance
 from bridge_algos.mdp import Dynamics, FloatArray, IntArray, TabularMDP
 from bridge_algos.offline.transitions import estimate_transitions, transition_counts
 from bridge_algos.online.confidence import Confidence, RoundState, pair_visits
@@ -80,6 +80,12 @@ class Learner:
     rollouts: int | None = None
     estimate: Callable[[IntArray], FloatArray] = estimate_transitions
 
+    def __post_init__(self) -> None:
+        if self.fit not in ("exact", "adam"):
+            raise InputError(f"fit is {self.fit!r}, expected 'exact' or 'adam'.")
+        if self.policies.ndim != 2 or not len(self.policies):
+            raise InputError(f"policies has shape {self.policies.shape}, expected (N, S) with at least one policy.")
+
 
 @dataclass
 class _Memory:
@@ -89,6 +95,7 @@ class _Memory:
     outcomes: FloatArray
     counts: IntArray | None
     matrix: FloatArray
+    observed: FloatArray
     played_visits: list[FloatArray] = field(default_factory=list)
     counts_then: list[IntArray] = field(default_factory=list)
 
@@ -105,6 +112,8 @@ class _View:
 
 
 RECORDED = (
+    "first",
+    "second",
     "pseudo_regret",
     "suboptimality",
     "set_size",
@@ -125,10 +134,13 @@ def run_online(
     """Play ``rounds`` rounds and return one array (rounds,) per name in ``RECORDED``.
 
     Regrets are exact under the real dynamics and never clipped; ``pseudo_regret`` is that of the round's pair against
-    ``problem.optimum``, ``suboptimality`` that of the greedy policy after the round against the expert.
+    ``problem.optimum``, ``suboptimality`` that of the greedy policy after the round against the expert. ``first`` and
+    ``second`` index the pair in ``learner.policies``. ``optimum_kept``: an optimal policy is among those searched, and
+    the optimum is not ruled out.
     """
     returns = expected_returns(problem.mdp, learner.policies)
     best = float(expected_returns(problem.mdp, problem.optimum[None])[0])
+    searched = bool(returns.max() >= best - rounding_allowance(problem.mdp))
     policies = np.concatenate([learner.policies, problem.optimum[None]])
     memory = _start(problem, learner)
     view = _look(problem, learner, memory, policies, None, rng)
@@ -149,10 +161,12 @@ def run_online(
         view = _look(problem, learner, memory, policies, view, rng)
         greedy = int((view.features[:-1] @ view.w).argmax())
         values = {
+            "first": first,
+            "second": second,
             "pseudo_regret": best - (returns[first] + returns[second]) / 2,
             "suboptimality": problem.expert_return - returns[greedy],
             "set_size": kept.sum(),
-            "optimum_kept": optimum_kept,
+            "optimum_kept": searched and optimum_kept,
             "weight_error": np.nan if problem.w_star is None else np.linalg.norm(view.w - problem.w_star),
             "uncertainty": norm,
             "bonus_sum": view.bonus[first] + view.bonus[second],
@@ -169,7 +183,7 @@ def _start(problem: OnlineProblem, learner: Learner) -> _Memory:
     d = problem.embedding.dimension
     matrix = learner.confidence.initial_scale * np.eye(d)
     counts = None if learner.counts is None else learner.counts.copy()
-    return _Memory(np.empty((0, d)), np.empty(0), counts, matrix)
+    return _Memory(np.empty((0, d)), np.empty(0), counts, matrix, matrix)
 
 
 def _look(
@@ -212,8 +226,8 @@ def _fit(learner: Learner, memory: _Memory, previous: _View | None) -> tuple[Flo
         estimate = fit_adam(memory.x, memory.outcomes, learner.lam, np.full(d, d**-0.5))
     else:
         estimate = fit_exact(memory.x, memory.outcomes, learner.lam, previous.w)
-    w = project(estimate, memory.x, learner.lam, memory.matrix, learner.weight_bound)
-    return w, projection_error(w, memory.x, memory.outcomes, learner.lam, memory.matrix)
+    w = project(estimate, memory.x, learner.lam, memory.observed, learner.weight_bound)
+    return w, projection_error(w, memory.x, memory.outcomes, learner.lam, memory.observed)
 
 
 def _play(
@@ -227,13 +241,18 @@ def _play(
     """Roll the pair out in the real environment, ask, and remember."""
     mdp, k = problem.mdp, learner.comparisons
     one, two = (sample_trajectories(mdp, learner.policies[i], k, rng) for i in pair)
-    outcomes = problem.oracle(one, two, rng)
+    outcomes = np.asarray(problem.oracle(one, two, rng), dtype=np.float64)
+    if outcomes.shape != (k,) or not ((np.isnan(outcomes)) | ((outcomes >= 0) & (outcomes <= 1))).all():
+        raise InputError(
+            f"the oracle answered {np.array2string(outcomes, threshold=4)}, expected {k} numbers in [0, 1] or NaN."
+        )
     answered = ~np.isnan(outcomes)
     difference = (problem.embedding.of_trajectories(one) - problem.embedding.of_trajectories(two))[answered]
     memory.x = np.concatenate([memory.x, learner.slope * difference])
     memory.outcomes = np.concatenate([memory.outcomes, outcomes[answered]])
+    memory.observed = memory.observed + difference.T @ difference
     if learner.confidence.matrix == "observed":
-        memory.matrix = memory.matrix + difference.T @ difference
+        memory.matrix = memory.observed
     else:
         expected = view.features[pair[0]] - view.features[pair[1]]
         memory.matrix = memory.matrix + np.outer(expected, expected)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, fields, replace
+from math import isfinite
 from typing import Any, get_args
 
 from bridge_algos.offline.cloning import TieBreak
@@ -58,7 +59,8 @@ class RunConfig:
         radius: of the offline set, a number or one of ``RADII``.
         candidates: ``"exact"`` enumerates the offline set, or samples ``candidate_limit`` policies from it when it is
             larger; ``"rejection"`` keeps those of ``proposals`` random policies that lie in it (the paper's way).
-        search_size: how many policies PbRL searches when there are too many to take all.
+        search_size: how many policies PbRL searches when there are too many to take all; at most half of them are
+            lent from the offline set, the others are random.
         embedding: name of the embedding.
         rounds, comparisons: T, and K trajectory pairs compared in a round.
         pair_rule: see :func:`bridge_algos.online.pair_rules.choose_pair`.
@@ -105,6 +107,14 @@ class RunConfig:
     delta: float = 0.05
 
     def __post_init__(self) -> None:
+        for name, kind, expected in (
+            ("algorithms", list | tuple, "a list of names"),
+            ("environment_options", dict, "a JSON object"),
+            ("oracle_options", dict, "a JSON object"),
+            ("demonstrations", str | None, "the path of a file"),
+        ):
+            if not isinstance(getattr(self, name), kind):
+                raise InputError(f"{name} is {getattr(self, name)!r}, expected {expected}.")
         object.__setattr__(self, "algorithms", tuple(self.algorithms))
         unknown = [name for name in self.algorithms if name not in ALGORITHMS]
         if unknown or not self.algorithms:
@@ -117,7 +127,7 @@ class RunConfig:
                 value = getattr(self, name)
                 if value is None and name in _OPTIONAL:
                     continue
-                if isinstance(value, bool) or not isinstance(value, kind) or not valid(value):
+                if isinstance(value, bool) or not isinstance(value, kind) or not isfinite(value) or not valid(value):
                     raise InputError(f"{name} is {value!r}, expected {expected}.")
         if self.radius not in RADII and not (isinstance(self.radius, int | float) and self.radius >= 0):
             raise InputError(
@@ -138,6 +148,8 @@ class RunConfig:
             raise InputError(f"a run configuration is not readable JSON ({error}); save it again.") from None
         if unknown:
             raise InputError(f"a run configuration has unknown entries {sorted(unknown)}; is it from another version?")
+        if "environment" not in given:
+            raise InputError("a run configuration names no environment; save it again.")
         return cls(**given)
 
     def but(self, **changes: Any) -> RunConfig:
@@ -174,7 +186,7 @@ def preset(name: str, environment: str) -> RunConfig:
 
     ``"published"`` are the settings of the authors' published runs (StarMDP, Gridworld; other environments take
     Gridworld's). ``"theory"`` keeps their problem sizes and takes everything else from the theory: Bradley-Terry
-    answers, one a round, certified multipliers and bonuses, the sure offline set of radius zero.
+    answers, one a round, certified multipliers and bonuses, the version space as offline set.
 
     >>> preset("published", "starmdp").radius
     0.9

@@ -28,13 +28,15 @@ def make_learner(
 
     Args:
         name: bridge, bridge-known or pbrl.
-        offline: the offline set under the estimated dynamics; bridge-known takes the same ball under the real ones.
+        offline: the offline set; bridge-known takes the ball of its radius under the real dynamics, or the same
+            version space.
         counts: (S, A, S) offline transition counts, which pbrl does not see.
         seed: decides candidates and search space.
     """
     mdp = world.mdp
     known = name == "bridge-known"
-    ball = PolicySet(mdp.dynamics, offline.center, offline.radius) if known else offline
+    # the version space needs no dynamics: it is the same set whether they are known or not
+    ball = PolicySet(mdp.dynamics, offline.center, offline.radius) if known and config.radius != "zero" else offline
     policies = _candidates(config, ball, stream(seed, "candidates"))
     if name == "pbrl":
         policies = _search_space(config, policies, mdp.n_states, mdp.n_actions, stream(seed, "search"))
@@ -91,11 +93,17 @@ def _afford(entry: str, policies: int, work_per_policy: int) -> None:
 def _search_space(
     config: RunConfig, ball: IntArray, n_states: int, n_actions: int, rng: np.random.Generator
 ) -> IntArray:
-    """PbRL's search space: all policies, or the offline candidates and random policies up to ``search_size``."""
+    """PbRL's search space: all policies, or ``search_size`` of which at most half come from the offline set.
+
+    The paper lends PbRL the offline candidates where it cannot search everything; half is the most it gets here, so
+    that it never becomes BRIDGE.
+    """
     if n_actions**n_states <= config.candidate_limit:
         return rng.permutation(all_policies(n_states, n_actions))
-    missing = max(0, config.search_size - len(ball))
-    return rng.permutation(np.concatenate([ball, random_policies(missing, n_states, n_actions, rng)]))
+    lent = ball[: config.search_size // 2]
+    return rng.permutation(
+        np.concatenate([lent, random_policies(config.search_size - len(lent), n_states, n_actions, rng)])
+    )
 
 
 def _confidence(config: RunConfig, world: World, known: bool) -> Confidence:

@@ -12,7 +12,7 @@ from tqdm import tqdm
 from bridge_algos.run.config import RunConfig
 from bridge_algos.run.seed import run_seed
 from bridge_algos.run.store import load_run, open_run, save_seed
-from bridge_algos.run.world import World, build_world
+from bridge_algos.run.world import World, build_oracle, build_world
 from bridge_theory.errors import InputError
 
 
@@ -34,6 +34,7 @@ def run(config: RunConfig, directory: Path, seeds: int, jobs: int = 1, progress:
     if jobs == 0:
         raise InputError("jobs is 0, expected a positive number of processes, or -1 for all cores.")
     world = build_world(config)
+    build_oracle(config, world)  # a mistake in its options shows before anything is written
     finished = open_run(directory, config)
     missing = [seed for seed in range(seeds) if seed not in finished]
     show = sys.stderr.isatty() if progress is None else progress

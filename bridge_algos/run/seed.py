@@ -16,17 +16,20 @@ from bridge_algos.mdp import FloatArray, IntArray
 from bridge_algos.offline.cloning import action_counts, add_action_noise, clone_deterministic
 from bridge_algos.offline.policy_set import PolicySet
 from bridge_algos.offline.transitions import transition_counts
+from bridge_algos.offline.version_space import closed_estimate
 from bridge_algos.online.loop import RECORDED, OnlineProblem, run_online
 from bridge_algos.run.config import RunConfig
 from bridge_algos.run.learners import make_learner, transition_fit
 from bridge_algos.run.streams import stream
-from bridge_algos.run.world import World, build_oracle
+from bridge_algos.run.world import World, build_oracle, caveats
 from bridge_algos.trajectories import sample_trajectories
 from bridge_theory.errors import InputError
 
 PACKAGES = ("bridge-rl", "numpy", "scipy", "xarray", "cvxpy", "highspy", "python-flint", "gymnasium")
 
 UNITS = {
+    "first": "index of a policy searched",
+    "second": "index of a policy searched",
     "pseudo_regret": "reward per trajectory",
     "suboptimality": "reward per trajectory",
     "set_size": "policies",
@@ -65,7 +68,8 @@ def _run_seed(config: RunConfig, world: World, seed: int) -> xr.Dataset:
     problem = OnlineProblem(
         mdp, world.embedding, build_oracle(config, world), world.optimum, world.expert.expected_return, world.w_star
     )
-    offline = PolicySet(estimate, clone, radius)
+    version_space = PolicySet(closed_estimate(mdp, demonstrations, counts), clone, 0.0)
+    offline = version_space if config.radius == "zero" else PolicySet(estimate, clone, radius)
     records, best = {}, {}
     for name in config.algorithms:
         if name == "bc":
@@ -75,7 +79,7 @@ def _run_seed(config: RunConfig, world: World, seed: int) -> xr.Dataset:
         learner = make_learner(name, config, world, offline, counts, seed)
         records[name] = run_online(problem, learner, config.rounds, stream(seed, name))
         best[name] = world.expert.expected_return - expected_returns(mdp, learner.policies).max()
-    distance = _expert_distance(world, offline)
+    distance = _expert_distance(world, PolicySet(estimate, clone, radius))
     scalars = {
         "clone_return": (expected_return(mdp, clone), "reward per trajectory"),
         "expert_distance": (distance, "Hellinger distance to the clone under the estimate"),
@@ -86,7 +90,8 @@ def _run_seed(config: RunConfig, world: World, seed: int) -> xr.Dataset:
     }
     for name, value in world.radii.items():
         scalars[f"radius_{name}"] = (value, "Hellinger distance")
-        scalars[f"expert_in_{name}"] = (float(distance <= value), "1 = yes")
+        within = _expert_distance(world, version_space) == 0 if name == "zero" else distance <= value
+        scalars[f"expert_in_{name}"] = (float(within), "1 = yes")
     return _dataset(config, world, seed, records, scalars).assign(
         best_candidate=("algorithm", list(best.values()), {"units": "reward per trajectory below the expert"})
     )
@@ -138,6 +143,7 @@ def _dataset(
             "title": f"BRIDGE companion: {config.environment}, seed {seed}",
             "configuration": config.to_json(),
             "versions": json.dumps({package: _version(package) for package in PACKAGES}),
+            "caveats": json.dumps(caveats(config, world)),
             "expert": world.expert.describe(),
             "expert_return": world.expert.expected_return,
             "optimum_return": world.expert.best_stationary.value,

@@ -23,12 +23,14 @@ def open_run(directory: Path, config: RunConfig) -> set[int]:
             deleted or overwritten.
     """
     described = directory / "configuration.json"
-    if described.exists() and RunConfig.from_json(_text(described)) != config:
+    if described.exists() and seed_files(directory) and RunConfig.from_json(_text(described)) != config:
         raise InputError(
             f"{directory} holds a run with another configuration; choose another --out or move the old run away."
         )
-    if not described.exists():
+    try:
         atomic_write_text(described, config.to_json() + "\n")
+    except OSError as error:
+        raise InputError(f"{directory} cannot be written to ({_short(error)}); choose another --out.") from None
     for path in seed_files(directory):
         _load(path, config)
     return {_seed_of(path) for path in seed_files(directory)}

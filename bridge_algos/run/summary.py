@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 
 import numpy as np
@@ -60,17 +61,22 @@ def table(results: xr.Dataset) -> str:
     """The run as a text table: one row an algorithm, then the paper's comparisons."""
     algorithms = [str(name) for name in results.algorithm.values]
     rounds, seeds = results.sizes["round"], results.sizes["seed"]
-    header = f"{'algorithm':<14}{'cum. suboptimality':>22}{'cum. pseudo-regret':>22}{'last |Pi_t|':>18}{'ms/round':>10}"
-    lines = [f"{results.attrs['title']}, after {rounds} rounds (mean ± 95 % half-width over {seeds} seeds)", header]
+    rows = [("algorithm", "cum. suboptimality", "cum. pseudo-regret", "last |Pi_t|", "ms/round")]
     for name in algorithms:
         own = results.sel(algorithm=name)
         size = Mean(*(float(v) for v in mean_over_seeds(np.asarray(own.set_size[:, -1]))))
         milliseconds = 1e3 * float(own.seconds.median())
-        speed = f"{milliseconds:>10.2f}" if np.isfinite(milliseconds) else f"{'-':>10}"
-        lines.append(
-            f"{name:<14}{final(results, 'suboptimality', name)!s:>22}{final(results, 'pseudo_regret', name)!s:>22}"
-            f"{size!s:>18}{speed}"
+        regrets = (str(final(results, "suboptimality", name)), str(final(results, "pseudo_regret", name)))
+        rows.append((name, *regrets, str(size), f"{milliseconds:.2f}" if np.isfinite(milliseconds) else "-"))
+    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
+    lines = [f"{results.attrs['title']}, after {rounds} rounds (mean ± 95 % half-width over {seeds} seeds)"]
+    lines += [
+        "  ".join(
+            cell.ljust(width) if i == 0 else cell.rjust(width)
+            for i, (cell, width) in enumerate(zip(row, widths, strict=True))
         )
+        for row in rows
+    ]
     lines += ["", *comparisons(results), *_offline_lines(results)]
     return "\n".join(lines)
 
@@ -101,4 +107,8 @@ def _offline_lines(results: xr.Dataset) -> list[str]:
         f"expert within the {name} radius ({float(results[f'radius_{name}'].mean()):.3g}): {share(f'expert_in_{name}')}"
         for name in ("stated", "repaired", "zero")
     ]
+    idle = [name for name in algorithms if bool((results.set_size.sel(algorithm=name).std("round") == 0).all())]
+    if idle:
+        lines.append(f"ruled out no policy in any round or seed: {', '.join(idle)}")
+    lines += [f"no guarantee: {caveat}" for caveat in json.loads(results.attrs["caveats"])]
     return [*lines, results.attrs["expert"]]

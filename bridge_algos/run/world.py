@@ -19,6 +19,9 @@ from bridge_algos.run.config import RunConfig
 from bridge_algos.trajectories import Trajectories, load_trajectories
 from bridge_theory.errors import InputError
 
+MOST_STEPS = 10**8
+"""Recorded steps that fit into memory."""
+
 
 @dataclass(frozen=True, eq=False)
 class World:
@@ -59,8 +62,28 @@ def build_world(config: RunConfig) -> World:
     if config.embedding == "state_action_counts":
         w_star, scale = _utility(mdp, weight_bound)
     n = config.n_demonstrations if demonstrations is None else len(demonstrations)
+    if n * mdp.horizon > MOST_STEPS:
+        raise InputError(
+            f"{n:,} demonstrations of {mdp.horizon} steps are more than the {MOST_STEPS:,} steps kept here."
+        )
     radii = named_radii(mdp.dynamics, expert.policy, n, config.delta)
     return World(mdp, expert, embedding, w_star, scale, weight_bound, radii, demonstrations)
+
+
+def caveats(config: RunConfig, world: World) -> list[str]:
+    """What of a run's settings takes the theory's guarantees away; empty when they hold for its confidence sets."""
+    if config.confidence == "fixed":
+        return ["gamma and bonuses are hand-set numbers, without a guarantee"]
+    oracle = build_oracle(config, world)
+    broken = {
+        f"the teacher breaks: {getattr(oracle, 'breaks', 'unknown')}": config.oracle != "bradley-terry",
+        "the fitted slope is not that of the teacher": config.slope != 1,
+        "features are sampled, and their error is in no bound": config.rollouts is not None,
+        "the transition bonus holds for counts, not for a network": config.transition_model == "mlp",
+        "the stated multiplier and bonuses are not proved": config.confidence == "stated",
+        "noisy demonstrations can expel the expert from the offline set": config.noise > 0,
+    }
+    return [reason for reason, holds in broken.items() if holds]
 
 
 def digest(path: str) -> str:

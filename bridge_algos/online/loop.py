@@ -155,7 +155,7 @@ def run_online(
         keeps = surviving(upper, lower[:-1], z, gamma, z[:-1])
         kept, optimum_kept = keeps[:-1], bool(keeps[-1])
         first, second = choose_pair(learner.pair_rule, kept, scores[:-1], z[:-1], gamma, view.bonus[:-1], rng)
-        norm = float(np.linalg.norm(z[first] - z[second]))
+        norm, bonuses = float(np.linalg.norm(z[first] - z[second])), view.bonus[first] + view.bonus[second]
         log_det = float(np.linalg.slogdet(memory.matrix)[1])
         _play(problem, learner, memory, view, (first, second), rng)
         view = _look(problem, learner, memory, policies, view, rng)
@@ -169,7 +169,7 @@ def run_online(
             "optimum_kept": searched and optimum_kept,
             "weight_error": np.nan if problem.w_star is None else np.linalg.norm(view.w - problem.w_star),
             "uncertainty": norm,
-            "bonus_sum": view.bonus[first] + view.bonus[second],
+            "bonus_sum": bonuses,
             "gamma": gamma,
             "log_det": log_det,
             "seconds": time.perf_counter() - clock,

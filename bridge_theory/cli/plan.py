@@ -102,8 +102,8 @@ def _regret(target: str, setting: Setting, path: Path) -> tuple[str, list[dict[s
     bounds = [solution.bound for solution in curves[_QUERIES[0]]]
     rows = [(str(T), *map(_short, curves[T])) for T in _QUERIES[::_TABLE_STEP]]
     table = text_table(("T", *(f"{bound.name} ({bound.status})" for bound in bounds)), rows)
-    _draw_tradeoff(path, bounds, curves, target)
-    blocks.append(f"trade-off: demonstrations n for a regret of at most {target}\n{table}\nfigure: {path}")
+    drawn = _draw_tradeoff(path, bounds, curves, target)
+    blocks.append(f"trade-off: demonstrations n for a regret of at most {target}\n{table}\nfigure: {drawn}")
     return "\n\n".join(blocks), records
 
 
@@ -111,7 +111,7 @@ def _short(solution: Solution) -> str:
     return "none" if solution.value is None else show(solution.value)
 
 
-def _draw_tradeoff(path: Path, bounds: Sequence[Bound], curves: dict[int, list[Solution]], target: str) -> None:
+def _draw_tradeoff(path: Path, bounds: Sequence[Bound], curves: dict[int, list[Solution]], target: str) -> str:
     lines = []
     for position, bound in enumerate(bounds):
         answers = [(T, solutions[position].value) for T, solutions in curves.items()]
@@ -119,6 +119,8 @@ def _draw_tradeoff(path: Path, bounds: Sequence[Bound], curves: dict[int, list[S
         if found:
             x, y = np.array(found).T
             lines.append(Curve(f"{bound.name} ({bound.status})", bound.status, x, y))
+    if not lines:
+        return "none is drawn, no bound reaches the target"
     draw(
         path,
         lines,
@@ -128,6 +130,7 @@ def _draw_tradeoff(path: Path, bounds: Sequence[Bound], curves: dict[int, list[S
         log_x=True,
         log_y=True,
     )
+    return str(path)
 
 
 def _record(solution: Solution) -> dict[str, Any]:

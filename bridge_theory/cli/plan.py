@@ -30,10 +30,10 @@ def main(argv: list[str]) -> int:
 
     >>> main(["--target-radius", "0.9", "--S", "5", "--A", "4", "--H", "8", "--delta", "0.05", "--gamma-min", "0.1"])
     demonstrations n for a radius of at most 0.9
-      bound                          status    n       certified there           certified one short
-      offline_radius                 stated    184...
-      offline_radius_repaired        repaired  93...
-      offline_radius_repaired_angle  sharp     69...
+      bound                          status    n       certified there        certified one short
+      offline_radius                 stated    182831  <= 0.8999998510618952  >= 0.9000024755685818
+      offline_radius_repaired        repaired  934     <= 0.8997635952189065  >= 0.9001893099107383
+      offline_radius_repaired_angle  sharp     621     <= 0.8997155540099747  >= 0.9000895941454229
     0
     """
     arguments = _parser().parse_args(argv)

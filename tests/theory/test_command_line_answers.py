@@ -142,7 +142,7 @@ def test_sweep_of_chosen_bounds(tmp_path: Path, capsys: pytest.CaptureFixture[st
         ("n=1:2:lag", "is not a range"),
         ("n=5:1", "needs low < high"),
         ("R1=0:1:log", "needs low < high and low > 0"),
-        ("counts=1:2", "counts = '1' is one number"),
+        ("counts=1:2", "cannot vary the array counts"),
         ("m=1:2", "'m' is not a parameter"),
         ("n=0.5:2", "n = 0.5 is outside its domain"),
     ],

@@ -34,8 +34,6 @@ def solve_for(name: str, bound: Bound, target: Given, *, setting: Setting | None
     goal = to_exact("target", target)
     exact = _others(name, bound, setting, fixed)
     _check_where(name, bound, direction, exact)
-    if row.array:
-        raise InputError(f"{name} is an array; solve_for takes a parameter that is one number")
     grid = integer_grid(row.domain) if row.domain.integer else float_grid(row.domain)
     search = _Search(bound, row, goal, exact, grid)
     return search.smallest() if direction.direction == "falls" else search.largest()

@@ -37,6 +37,8 @@ def draw(
 
     figure = Figure(figsize=(7.2, 5.0), layout="constrained")
     FigureCanvasAgg(figure)
+    if path.suffix.lstrip(".") not in figure.canvas.get_supported_filetypes():
+        raise InputError(f"cannot write a figure to {path}; use a name that ends in .png, .pdf or .svg")
     axes = figure.add_subplot()
     drawn: dict[str, int] = {}
     for curve in curves:
@@ -51,6 +53,4 @@ def draw(
     axes.grid(visible=True, which="major", alpha=0.25)
     axes.spines[["top", "right"]].set_visible(False)
     figure.legend(fontsize=8, frameon=False, loc="outside lower center", ncols=2)
-    if path.suffix.lstrip(".") not in figure.canvas.get_supported_filetypes():
-        raise InputError(f"cannot write a figure to {path}; use a name that ends in .png, .pdf or .svg")
     figure.savefig(path, dpi=150)

@@ -30,10 +30,10 @@ def main(argv: list[str]) -> int:
 
     >>> main(["--target-radius", "0.9", "--S", "5", "--A", "4", "--H", "8", "--delta", "0.05", "--gamma-min", "0.1"])
     demonstrations n for a radius of at most 0.9
-      bound                          status    n       certified there           certified one short
-      offline_radius                 stated    184...
-      offline_radius_repaired        repaired  93...
-      offline_radius_repaired_angle  sharp     69...
+      bound                          status    n       certified there        certified one short
+      offline_radius                 stated    182831  <= 0.8999998510618952  >= 0.9000024755685818
+      offline_radius_repaired        repaired  934     <= 0.8997635952189065  >= 0.9001893099107383
+      offline_radius_repaired_angle  sharp     621     <= 0.8997155540099747  >= 0.9000895941454229
     0
     """
     arguments = _parser().parse_args(argv)
@@ -102,8 +102,8 @@ def _regret(target: str, setting: Setting, path: Path) -> tuple[str, list[dict[s
     bounds = [solution.bound for solution in curves[_QUERIES[0]]]
     rows = [(str(T), *map(_short, curves[T])) for T in _QUERIES[::_TABLE_STEP]]
     table = text_table(("T", *(f"{bound.name} ({bound.status})" for bound in bounds)), rows)
-    _draw_tradeoff(path, bounds, curves, target)
-    blocks.append(f"trade-off: demonstrations n for a regret of at most {target}\n{table}\nfigure: {path}")
+    drawn = _draw_tradeoff(path, bounds, curves, target)
+    blocks.append(f"trade-off: demonstrations n for a regret of at most {target}\n{table}\nfigure: {drawn}")
     return "\n\n".join(blocks), records
 
 
@@ -111,7 +111,7 @@ def _short(solution: Solution) -> str:
     return "none" if solution.value is None else show(solution.value)
 
 
-def _draw_tradeoff(path: Path, bounds: Sequence[Bound], curves: dict[int, list[Solution]], target: str) -> None:
+def _draw_tradeoff(path: Path, bounds: Sequence[Bound], curves: dict[int, list[Solution]], target: str) -> str:
     lines = []
     for position, bound in enumerate(bounds):
         answers = [(T, solutions[position].value) for T, solutions in curves.items()]
@@ -119,6 +119,8 @@ def _draw_tradeoff(path: Path, bounds: Sequence[Bound], curves: dict[int, list[S
         if found:
             x, y = np.array(found).T
             lines.append(Curve(f"{bound.name} ({bound.status})", bound.status, x, y))
+    if not lines:
+        return "none is drawn, no bound reaches the target"
     draw(
         path,
         lines,
@@ -128,6 +130,7 @@ def _draw_tradeoff(path: Path, bounds: Sequence[Bound], curves: dict[int, list[S
         log_x=True,
         log_y=True,
     )
+    return str(path)
 
 
 def _record(solution: Solution) -> dict[str, Any]:

@@ -18,7 +18,7 @@ from bridge_theory.cli.rows import missing_from
 from bridge_theory.cli.table import text_table
 from bridge_theory.cli.versions import RADIUS, REGRET
 from bridge_theory.errors import InputError
-from bridge_theory.parameters import Given, Parameter, parameter, show
+from bridge_theory.parameters import Given, Parameter, parameter, show, to_exact
 from bridge_theory.setting import Setting
 
 _POINTS = 240
@@ -47,10 +47,11 @@ def parse_sweep(text: str) -> Sweep:
     if match is None:
         raise InputError(f"--sweep {text!r} is not a range; write for example n=1:1e7:log or gamma_min=0.01:0.5")
     row = parameter(match[1])
-    ends = [row.exact(end) for end in match.group(2, 3)]
-    if row.array or isinstance(ends[0], tuple) or isinstance(ends[1], tuple):
+    if row.array:
         raise InputError(f"--sweep cannot vary the array {row.name}; vary a parameter that is one number")
-    low, high = ends[0], ends[1]
+    low, high = (to_exact(row.name, end) for end in match.group(2, 3))
+    row.exact(low)
+    row.exact(high)
     log = match[4] == ":log"
     if not low < high or (log and low <= 0):
         raise InputError(f"--sweep {text!r} needs low < high{' and low > 0' if log else ''}")

@@ -124,8 +124,8 @@ def xi_bar(m: Arithmetic, *, S: Value, A: Value, H: Value, eta: Value, delta: Va
 def xi_repaired(m: Arithmetic, *, S: Value, A: Value, H: Value, eta: Value, delta: Value, N: Value) -> Value:
     r"""Statement: ``xi`` for :math:`N\ge2` and :math:`2\eta` for :math:`N\le1`, where the data say nothing.
 
-    Source: audit C.8 (Howard et al.'s stitched bound leaves a factor above 5 for all N >= 2). Assumptions and
-    arguments: as ``xi``, with ``N`` any count. Returns a number in the units of ``eta``. Errors: ``InputError``.
+    Source: audit C.8 (Howard et al.'s stitched bound leaves a factor above 5 for all N >= 2). Assumptions: as ``xi``.
+    Arguments: as there, with ``N`` any count. Returns a number in the units of ``eta``. Errors: ``InputError``.
 
     >>> float(xi_repaired.estimate(S=5, A=4, H=8, eta=1, delta=0.05, N=0))
     2.0

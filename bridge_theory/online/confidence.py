@@ -59,8 +59,8 @@ def beta_t(m: Arithmetic, *, B: Value, W: Value, lam: Value, d: Value, t: Value,
 def confidence_radius(m: Arithmetic, *, B: Value, W: Value, lam: Value, d: Value, t: Value, delta: Value) -> Value:
     r"""Statement: :math:`\|w^*-w_t^{proj}\|_{V_t}\le2\kappa\beta_t(\delta)` for all ``t``, w.p. :math:`1-\delta`.
 
-    Source: ``lemma:confidence_set_w_star``. Assumptions, arguments, errors: as ``beta_t``. Returns a distance in the
-    norm of :math:`V_t`.
+    Source: ``lemma:confidence_set_w_star``. Assumptions: as ``beta_t``. Arguments: as there. Errors: as there.
+    Returns a distance in the norm of :math:`V_t`.
 
     >>> round(float(confidence_radius.estimate(B=1, W=1, lam=1, d=1, t=1, delta=0.05)), 3)
     28.804

@@ -173,8 +173,8 @@ def norm_relation_sharp(
 
     .. math:: 2\sqrt c\,\kappa\beta_t+2W\sqrt{4cB^2(d\log(1+2T)+\log(1/\delta_V))+8(1+c)B^2}.
 
-    Source: audit R9, the constants before they are rounded to 2 and 27. Assumptions, arguments, errors: as
-    ``norm_relation``. Returns a number without unit.
+    Source: audit R9, the constants before they are rounded to 2 and 27. Assumptions: as
+    ``norm_relation``. Arguments: as there. Errors: as there. Returns a number without unit.
 
     >>> round(float(norm_relation_sharp.estimate(B=1, W=1, lam=1, d=1, t=1, T=1, delta_w=0.05, delta_V=0.05)), 3)
     50.734

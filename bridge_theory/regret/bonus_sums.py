@@ -228,7 +228,8 @@ def played_bonus_sum_stated(
 
     plus the rate ``martingale_rate``; this is the explicit part, 16 times ``bonus_sum_stated``.
 
-    Source: ``lemma:offline_bonus_sum``, unproved (audit D.14). Assumptions, arguments, errors: as ``bonus_sum_stated``.
+    Source: ``lemma:offline_bonus_sum``, unproved (audit D.14). Assumptions: as
+    ``bonus_sum_stated``. Arguments: as there. Errors: as there.
     Returns a regret.
 
     >>> setting = dict(B=1, W=0.5, S=5, A=4, H=8, epsilon=0.1, n=1000, gamma_min=0.1, S_reach=5, delta=0.05)

@@ -100,7 +100,8 @@ def bonus_sum_repaired(
        2M/\sqrt{n\gamma_{\min}}\bigr\}+2\sqrt{2uM}\Bigr)+4m\eta\bigl(u+|S_{reach}|1\{n\gamma_{\min}/2<m\}\bigr).
 
     Source: audit D.12 with Cauchy-Schwarz over pairs: of order T / sqrt(n), not sqrt(T / n). Pathwise given coverage.
-    Assumptions, arguments, errors: as ``squared_bonus_sum_repaired``. Returns a number in the units of ``eta``.
+    Assumptions: as ``squared_bonus_sum_repaired``. Arguments: as there. Errors: as there. Returns a
+    number in the units of ``eta``.
 
     >>> setting = dict(H=8, eta=1, log_covering=50, n=10**5, gamma_min=0.1, S_reach=5)
     >>> round(float(bonus_sum_repaired.estimate(T=100, uncovered=0, **setting)), 1)

@@ -94,8 +94,8 @@ def elliptical_norm_sum(m: Arithmetic, *, L: Value, v: Value, d: Value, T: Value
     r"""Statement: :math:`\sum_{t\le T}\|x_t\|_{V_t^{-1}}\le\sqrt{T\,c(L^2/v)\,d\log(1+\tfrac1{dv}\sum_t\|x_t\|_2^2)}`.
 
     Source: audit R3 with Cauchy-Schwarz; the factor ``sqrt(T)`` is what ``lemma:feature_diff_bound`` loses.
-    Assumptions, arguments, errors: as ``elliptical_potential``, and ``T`` a positive integer. Returns a number without
-    unit.
+    Assumptions: as ``elliptical_potential``. Arguments: as there, and ``T`` a positive integer. Returns a number
+    without unit. Errors: as there.
 
     >>> float(elliptical_norm_sum.estimate(L=1, v=1, d=1, T=1, square_sum=1))
     1.0

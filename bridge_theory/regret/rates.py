@@ -132,7 +132,8 @@ def martingale_rate(
     +H^2WB\sqrt T|S|^{1/2}|A|^{1/4}n^{-1/4}\bigr)`.
 
     Source: ``lem:martingale_concentration_with_offline_data``; the proof is wrong and the statement false off the
-    offline set (audit D.13), see ``martingale_repaired``. Assumptions, arguments, errors: as ``played_bonus_rate``.
+    offline set (audit D.13), see ``martingale_repaired``. Assumptions: as
+    ``played_bonus_rate``. Arguments: as there. Errors: as there.
     Returns a regret, up to constants and logarithms.
 
     >>> round(float(martingale_rate.estimate(B=1, W=1, S=5, A=4, H=8, n=1000, T=1000, gamma_min=0.1)), 1)

@@ -23,7 +23,7 @@ from bridge_theory import (
 )
 from bridge_theory.bound import Bound
 from bridge_theory.catalog import all_bounds
-from bridge_theory.core import Arithmetic, Value, bound, falls
+from bridge_theory.core import Arithmetic, Value, bound, falls, rises
 from bridge_theory.errors import InputError
 from bridge_theory.parameters import PARAMETERS
 from bridge_theory.solution import Solution
@@ -159,3 +159,22 @@ def test_refusals() -> None:
         solve_for("n", transition_error_stated, 1, S=5, A=4, H=1, delta2="0.9")
     with pytest.raises(InputError, match="target = 'soon' is not a finite number"):
         solve_for("n", offline_radius, "soon", **_STATED)
+
+
+def test_ties_that_no_precision_decides_are_withheld() -> None:
+    declared = {"title": "tie", "symbol": "x", "source": "test", "group": "offline", "status": "stated", "words": "x"}
+
+    @bound(**declared, monotone={"n": falls("n divides")})
+    def falling(m: Arithmetic, *, n: Value) -> Value:
+        return m.sqrt(m.number(2)) ** 2 / n
+
+    @bound(**declared, monotone={"n": rises("n multiplies")})
+    def rising(m: Arithmetic, *, n: Value) -> Value:
+        return m.sqrt(m.number(2)) ** 2 * n
+
+    tied = solve_for("n", falling, 1)  # equal to 1 at n = 2, which no ball can certify
+    assert (tied.value, tied.beyond, tied.fails, tied.excluded) == (3, 2, None, False)
+    assert "agree to the highest precision" in tied.words
+    never = solve_for("n", rising, 2)
+    assert never.status == "never"
+    assert "cannot be told from the target" in never.reason

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import re
 import textwrap
 
 from bridge_theory.bound import Bound
@@ -16,7 +17,7 @@ from bridge_theory.value import BoundValue
 
 def explain(formula: Formula, setting: Setting) -> str:
     """Statement, source, assumptions, parameters, directions; with a complete setting also value, terms and words."""
-    documentation = inspect.cleandoc(formula.__doc__ or "").split(">>>")[0].strip()
+    documentation = _plain(inspect.cleandoc(formula.__doc__ or "").split(">>>")[0].strip())
     parts = [f"{formula.name}: {formula.title} ({formula.status}, {formula.source})", documentation]
     parts += [_listed("Assumptions", formula.assumptions), _listed("Parameters", described_parameters(formula))]
     directions = [f"{move.direction} in {name}: {move.because}" for name, move in formula.monotone.items()]
@@ -28,6 +29,12 @@ def explain(formula: Formula, setting: Setting) -> str:
     elif isinstance(formula, Bound):
         parts.append(_valued(formula.value(setting)))
     return "\n\n".join(part for part in parts if part)
+
+
+def _plain(documentation: str) -> str:
+    """A docstring without its markup: LaTeX stays, roles and literals become plain text."""
+    without_roles = re.sub(r":math:`([^`]*)`", r"\1", documentation)
+    return re.sub(r"\.\. math::\s*", "", without_roles).replace("``", "")
 
 
 def _listed(heading: str, lines: tuple[str, ...] | list[str]) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import importlib
-import importlib.util
+import os
 import sys
 
 from bridge_theory.errors import ComputationError, InputError
@@ -31,13 +31,18 @@ def main(argv: list[str] | None = None) -> int:
         return 2
     module = importlib.import_module(SUBCOMMANDS[name][0])
     try:
-        return int(module.main(rest))
+        status = int(module.main(rest))
+        sys.stdout.flush()
+        return status
     except InputError as error:
         print(f"bridge-rl {name}: {error}", file=sys.stderr)
         return 2
     except ComputationError as error:
         print(f"bridge-rl {name}: {error}", file=sys.stderr)
         return 1
+    except BrokenPipeError:  # the reader, such as head, has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
     except KeyboardInterrupt:
         print(f"bridge-rl {name}: interrupted; finished parts are kept", file=sys.stderr)
         return 130

@@ -30,6 +30,7 @@ def prove_positive(
     geometric: tuple[str, ...] = (),
     bits: int = BITS,
     most: int = 20_000,
+    weakly: bool = False,
 ) -> Outcome:
     """Whether the expression is positive at every point of the box.
 
@@ -39,6 +40,7 @@ def prove_positive(
             orders of magnitude.
         bits: working precision.
         most: boxes to look at before giving up, which is a failure.
+        weakly: prove that it is not negative instead.
 
     >>> prove_positive("parabola", lambda x: x * x - x + 1, {"x": (-1, 2)}).holds
     True
@@ -46,7 +48,7 @@ def prove_positive(
     'parabola: not positive at x = 1'
     """
     with flint_balls.working_precision(bits):
-        return _search(name, expression, {k: (Fraction(a), Fraction(b)) for k, (a, b) in box.items()}, geometric, most)
+        return _search(name, expression, {k: (Fraction(a), Fraction(b)) for k, (a, b) in box.items()}, geometric, most, weakly)
 
 
 def _search(
@@ -55,23 +57,24 @@ def _search(
     box: dict[str, Sides],
     geometric: tuple[str, ...],
     most: int,
+    weakly: bool,
 ) -> Outcome:
-    open_, seen = [box], 0
+    open_, seen, sign = [box], 0, "at least 0" if weakly else "positive"
     while open_:
         current, seen = open_.pop(), seen + 1
         value = expression(**{k: flint_balls.box(*sides) for k, sides in current.items()})
-        if value > 0:
+        if value > 0 or (weakly and value >= 0):
             continue
-        if value <= 0:
-            return Outcome(False, f"{name}: not positive for {_shown(current)}")
+        if value < 0 or (not weakly and value <= 0):
+            return Outcome(False, f"{name}: not {sign} for {_shown(current)}")
         middle = expression(**{k: flint_balls.ball(_middle(k, i, geometric)) for k, i in current.items()})
-        if middle <= 0:
+        if middle < 0 or (not weakly and middle <= 0):
             point = {k: (_middle(k, i, geometric),) * 2 for k, i in current.items()}
-            return Outcome(False, f"{name}: not positive at {_shown(point)}")
+            return Outcome(False, f"{name}: not {sign} at {_shown(point)}")
         if seen >= most:
             return Outcome(False, f"{name}: undecided after {seen} boxes, for example {_shown(current)}")
         open_ += _halves(expression, current, geometric)
-    return Outcome(True, f"{name}: positive on the box ({seen} boxes)")
+    return Outcome(True, f"{name}: {sign} on the box ({seen} boxes)")
 
 
 def _halves(

@@ -44,11 +44,13 @@ def prove_positive(
 
     >>> prove_positive("parabola", lambda x: x * x - x + 1, {"x": (-1, 2)}).holds
     True
-    >>> prove_positive("parabola", lambda x: x * x - x, {"x": (0, 2)}).detail
-    'parabola: not positive at x = 1'
+    >>> prove_positive("parabola", lambda x: x * x - x, {"x": (0, 2)}).failures
+    ('parabola: not positive at x = 1',)
     """
     with flint_balls.working_precision(bits):
-        return _search(name, expression, {k: (Fraction(a), Fraction(b)) for k, (a, b) in box.items()}, geometric, most, weakly)
+        return _search(
+            name, expression, {k: (Fraction(a), Fraction(b)) for k, (a, b) in box.items()}, geometric, most, weakly
+        )
 
 
 def _search(
@@ -66,15 +68,15 @@ def _search(
         if value > 0 or (weakly and value >= 0):
             continue
         if value < 0 or (not weakly and value <= 0):
-            return Outcome(False, f"{name}: not {sign} for {_shown(current)}")
+            return Outcome(seen, (f"{name}: not {sign} for {_shown(current)}",))
         middle = expression(**{k: flint_balls.ball(_middle(k, i, geometric)) for k, i in current.items()})
         if middle < 0 or (not weakly and middle <= 0):
             point = {k: (_middle(k, i, geometric),) * 2 for k, i in current.items()}
-            return Outcome(False, f"{name}: not {sign} at {_shown(point)}")
+            return Outcome(seen, (f"{name}: not {sign} at {_shown(point)}",))
         if seen >= most:
-            return Outcome(False, f"{name}: undecided after {seen} boxes, for example {_shown(current)}")
+            return Outcome(seen, (f"{name}: undecided after {seen} boxes, for example {_shown(current)}",))
         open_ += _halves(expression, current, geometric)
-    return Outcome(True, f"{name}: {sign} on the box ({seen} boxes)")
+    return Outcome(seen, details=f"{name}: {sign} on the box ({seen} boxes)")
 
 
 def _halves(

@@ -88,8 +88,8 @@ class Coverage:
             f"refute it (false alarm {float(self.false_alarm):.1e})"
         )
         if not self.passes:
-            return Outcome(False, f"{name}: fails too often: {numbers}")
-        return Outcome(True, f"{name}: {'covered' if self.covered else 'not contradicted'}: {numbers}")
+            return Outcome(self.trials, (f"{name}: fails too often: {numbers}",))
+        return Outcome(self.trials, details=f"{name}: {'covered' if self.covered else 'not contradicted'}: {numbers}")
 
 
 def simulate(

@@ -119,10 +119,14 @@ class Slopes:
         return lifted(flint_balls.pi_ball())
 
     def min(self, *values: Any) -> Slope:
-        return reduce(lambda x, y: _chosen(x, y, x.value < y.value, y.value < x.value, x.value.min(y.value)), _all(values))
+        return reduce(
+            lambda x, y: _chosen(x, y, x.value < y.value, y.value < x.value, x.value.min(y.value)), _all(values)
+        )
 
     def max(self, *values: Any) -> Slope:
-        return reduce(lambda x, y: _chosen(x, y, x.value > y.value, y.value > x.value, x.value.max(y.value)), _all(values))
+        return reduce(
+            lambda x, y: _chosen(x, y, x.value > y.value, y.value > x.value, x.value.max(y.value)), _all(values)
+        )
 
     def if_at_most(self, x: Any, y: Any, then: Callable[[], Any], otherwise: Callable[[], Any]) -> Slope:
         left, right = lifted(x).value, lifted(y).value

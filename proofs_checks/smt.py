@@ -25,21 +25,21 @@ def prove(name: str, hypotheses: Sequence[Any], conclusion: Any, seconds: float 
     The hypotheses must have a solution, otherwise they would imply everything; a query that times out proves nothing.
 
     >>> x, = reals("x")
-    >>> prove("squares", [x > 1], x * x > x)
-    Outcome(holds=True, detail='squares: unsat')
+    >>> prove("squares", [x > 1], x * x > x).details
+    'squares: unsat'
     >>> prove("squares", [x > 0], x * x > x).holds
     False
     """
     possible = _solve(hypotheses, seconds)[0]
     if possible != z3.sat:
-        return Outcome(False, f"{name}: the hypotheses alone are {possible}, so that nothing is proved")
+        return Outcome(1, (f"{name}: the hypotheses alone are {possible}, so that nothing is proved",))
     answer, model = _solve([*hypotheses, z3.Not(conclusion)], seconds)
     if answer == z3.unsat:
-        return Outcome(True, f"{name}: unsat")
+        return Outcome(1, details=f"{name}: unsat")
     if answer == z3.sat:
         point = ", ".join(f"{variable} = {model[variable]}" for variable in sorted(model, key=str))
-        return Outcome(False, f"{name}: false at {point}")
-    return Outcome(False, f"{name}: undecided after {seconds:g} s")
+        return Outcome(1, (f"{name}: false at {point}",))
+    return Outcome(1, (f"{name}: undecided after {seconds:g} s",))
 
 
 def _solve(formulas: Sequence[Any], seconds: float) -> tuple[Any, Any]:

@@ -17,20 +17,20 @@ def identity(name: str, left: Any, right: Any) -> Outcome:
     >>> x = sympy.Symbol("x", positive=True)
     >>> identity("square", (x + 1) ** 2, x**2 + 2 * x + 1).holds
     True
-    >>> identity("square", (x + 1) ** 2, x**2 + 1).detail
-    'square: the sides differ by 0.857143 at x = 3/7'
+    >>> identity("square", (x + 1) ** 2, x**2 + 1).failures
+    ('square: the sides differ by 0.857143 at x = 3/7',)
     """
     difference = left - right
     if simplified_to_zero(difference):
-        return Outcome(True, f"{name}: identical")
+        return Outcome(1, details=f"{name}: identical")
     symbols = sorted(difference.free_symbols, key=str)
     for shift in range(len(_POINTS)):
         point = {symbol: _POINTS[(i + shift) % len(_POINTS)] for i, symbol in enumerate(symbols)}
         value = sympy.N(difference.subs(point), 40)
         if value.is_number and abs(value) > sympy.Float("1e-25"):
             where = ", ".join(f"{symbol} = {number}" for symbol, number in point.items())
-            return Outcome(False, f"{name}: the sides differ by {float(value):.6g} at {where}")
-    return Outcome(False, f"{name}: SymPy cannot reduce the difference to zero")
+            return Outcome(1, (f"{name}: the sides differ by {float(value):.6g} at {where}",))
+    return Outcome(1, (f"{name}: SymPy cannot reduce the difference to zero",))
 
 
 def simplified_to_zero(difference: Any) -> bool:

@@ -4,8 +4,8 @@ A file ``counterexamples/NAME.json`` has the fields
 
 - ``label``, ``part``: the claim it breaks; ``sentence``: what breaks, in one sentence; ``kind``: its evaluator;
 - ``data``: the instance; every number a string: ``"9/25"``. Finite MDPs use ``states`` (names), ``initial``
-  (a row), ``kernels`` (LaTeX name -> rows ``[s][a][s']``), ``policies`` (LaTeX name -> an action per state, or a row per
-  state) and ``horizon``, so that they can be drawn;
+  (a row), ``kernels`` (LaTeX name -> rows ``[s][a][s']``), ``policies`` (LaTeX name -> an action per state, or rows
+  per state) and ``horizon``, so that they can be drawn;
 - ``left``, ``relation``, ``right``: the inequality that the paper claims, each side with its ``latex`` and its
   ``value``: ``"29/125"``, or a rational enclosure ``["0.12", "0.13"]``;
 - ``controls``: nearby instances where the same inequality is *not* violated: a ``name`` and the ``data`` keys that

@@ -1,4 +1,4 @@
-"""What one run of a check says: whether the claim survived it, and the numbers a reader wants to see."""
+"""What one run of a check says: how many decisions it made, and which of them went against the statement."""
 
 from __future__ import annotations
 
@@ -11,48 +11,54 @@ _SHOWN_FAILURES = 5
 
 @dataclass(frozen=True)
 class Outcome:
-    """``holds`` is False when the check contradicts its claim or could not decide it; ``detail`` is one sentence.
+    """The result of one check.
 
-    ``decisions`` is how many yes-or-no questions were decided, ``skipped`` marks a check that could not run here: it
-    neither holds nor fails, and is no evidence.
+    Attributes:
+        decisions: how many yes-or-no questions were decided. None decided is not a pass.
+        failures: one sentence for each of the first few questions decided against the statement, or left undecided.
+        details: one sentence with the numbers of the check.
+        skipped: why the check could not run here (a tool is not installed); a skipped check is no evidence.
+
+    >>> Outcome(3, details="three cases").holds, Outcome(3, ("the second fails",)).holds, Outcome(0).holds
+    (True, False, False)
     """
 
-    holds: bool
-    detail: str
-    decisions: int = field(default=1, repr=False)
-    skipped: bool = field(default=False, repr=False)
+    decisions: int
+    failures: tuple[str, ...] = ()
+    details: str = ""
+    skipped: str = ""
 
     def __post_init__(self) -> None:
-        if type(self.holds) is not bool:
-            raise TypeError(f"an outcome holds or not; {self.holds!r} is neither ({self.detail})")
-        if not self.detail:
-            raise TypeError("an outcome says what was found; its detail is empty")
-        if self.holds and self.decisions < 1:
-            raise TypeError(f"a check that decided nothing cannot hold ({self.detail})")
+        if type(self.decisions) is not int or not isinstance(self.failures, tuple):
+            raise TypeError(f"an outcome is a number of decisions and a tuple of failures, not {self!r}")
 
-    def __bool__(self) -> bool:
-        return self.holds
+    @property
+    def holds(self) -> bool:
+        """At least one question was decided, and none against the statement."""
+        return self.decisions > 0 and not self.failures and not self.skipped
 
 
 def skipped(why: str) -> Outcome:
     """The outcome of a check that cannot run here, e.g. ``skipped("coqc is not installed")``."""
-    return Outcome(False, why, decisions=0, skipped=True)
+    return Outcome(0, skipped=why)
 
 
-def all_hold(*outcomes: Outcome) -> Outcome:
-    """Holds when there are parts and every one does; tells the first part that does not, else all of them.
+def together(*outcomes: Outcome) -> Outcome:
+    """One outcome for several: it holds when there are parts and every one does.
 
-    >>> all_hold(Outcome(True, "a"), Outcome(True, "b"))
-    Outcome(holds=True, detail='a; b')
-    >>> all_hold().holds
-    False
+    >>> together(Outcome(1, details="a"), Outcome(2, details="b"))
+    Outcome(decisions=3, failures=(), details='a; b', skipped='')
+    >>> together().holds, together(Outcome(1), Outcome(0, details="an empty part")).failures
+    (False, ('nothing was decided: an empty part',))
     """
-    failed = [outcome for outcome in outcomes if not outcome.holds]
-    if failed:
-        return failed[0]
-    if not outcomes:
-        return Outcome(False, "nothing was checked", decisions=0)
-    return Outcome(True, "; ".join(outcome.detail for outcome in outcomes), sum(part.decisions for part in outcomes))
+    empty = [f"nothing was decided: {part.details}" for part in outcomes if not part.decisions and not part.skipped]
+    failures = [failure for part in outcomes for failure in part.failures]
+    return Outcome(
+        sum(part.decisions for part in outcomes),
+        tuple([*failures, *empty][:_SHOWN_FAILURES]),
+        "; ".join(part.details for part in outcomes if part.details),
+        "; ".join(part.skipped for part in outcomes if part.skipped),
+    )
 
 
 @dataclass
@@ -62,8 +68,8 @@ class Tally:
     >>> tally = Tally()
     >>> tally.expect(1 + 1 == 2, "arithmetic fails")
     True
-    >>> tally.outcome("sums"), Tally().outcome("nothing")
-    (Outcome(holds=True, detail='sums: 1 decision'), Outcome(holds=False, detail='nothing: nothing was decided'))
+    >>> tally.outcome("sums").holds, Tally().outcome("nothing").holds
+    (True, False)
     """
 
     decisions: int = 0
@@ -81,10 +87,6 @@ class Tally:
             self.failures.append(otherwise)
         return bool(holds)
 
-    def outcome(self, detail: str) -> Outcome:
-        """Holds if something was decided and nothing failed."""
-        if self.decisions == 0:
-            return Outcome(False, f"{detail}: nothing was decided", decisions=0)
-        if self.failures:
-            return Outcome(False, f"{detail}: {'; '.join(self.failures)}", self.decisions)
-        return Outcome(True, f"{detail}: {self.decisions} decision{'s' * (self.decisions != 1)}", self.decisions)
+    def outcome(self, details: str = "") -> Outcome:
+        """The finished result."""
+        return Outcome(self.decisions, tuple(self.failures), details)

@@ -129,12 +129,21 @@ def replay(*, name: str, control: str = "") -> Outcome:
     left, right = evaluator(example.kind)({**example.data, **changes})
     shown = f"{show(left)} {example.relation} {show(right)}"
     tally = Tally()
-    tally.expect(_VIOLATED[example.relation](_ends(left), _ends(right)), f"{shown} is not certainly violated")
+    tally.expect(violated(example.relation, left, right), f"{shown} is not certainly violated")
     if not control:
         for side, value, recorded in (("left", left, example.left.value), ("right", right, example.right.value)):
             agrees = overlap(_ends(value), _ends(recorded))
             tally.expect(agrees, f"the {side} side is {show(value)}, but the file says {show(recorded)}")
     return tally.outcome(f"the paper claims {shown}")
+
+
+def violated(relation: Relation, left: Number, right: Number) -> bool:
+    """Whether ``left relation right`` certainly fails, whatever the exact values inside the enclosures are.
+
+    >>> violated("<=", Fraction(2, 5), (Fraction(1, 5), Fraction(3, 10)))
+    True
+    """
+    return _VIOLATED[relation](_ends(left), _ends(right))
 
 
 def show(value: Number) -> str:

@@ -12,6 +12,8 @@ from fractions import Fraction
 from functools import cache, total_ordering
 from math import gcd, isqrt
 
+from flint import fmpz
+
 from bridge_theory.arithmetic.flint_balls import Ball, ball
 from bridge_theory.errors import InputError
 
@@ -138,14 +140,11 @@ def at_most_roots(value: Exact, *parts: tuple[Rational, Exact]) -> bool:
 @cache
 def _split_square(number: int) -> tuple[int, int]:
     """``number = outside^2 * inside`` with ``inside`` squarefree."""
-    outside, inside, prime = 1, 1, 2
-    while prime * prime <= number:
-        power = 0
-        while number % prime == 0:
-            number, power = number // prime, power + 1
-        outside, inside = outside * prime ** (power // 2), inside * prime ** (power % 2)
-        prime += 1 if prime == 2 else 2
-    return outside, inside * number if number else 0
+    outside, inside = 1, 1
+    for prime, power in fmpz(number).factor() if number else ((0, 1),):
+        outside *= int(prime) ** (power // 2)
+        inside *= int(prime) ** (power % 2)
+    return outside, inside
 
 
 def _collected(sums: dict[int, Fraction]) -> Surd:

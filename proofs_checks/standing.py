@@ -17,7 +17,7 @@ class Standing:
 
     Attributes:
         claim: the claim.
-        strongest: the strongest kind of evidence that held in this run; None if none did.
+        strongest: the strongest kind of evidence for the verdict that held in this run; None if none did.
         repaired: for each repaired form, its name and the strongest evidence that held.
         seconds: time its own checks and those of its repaired forms took.
         problems: what should hold and does not, one sentence each.
@@ -37,14 +37,15 @@ def standing(claim: Claim, reports: Mapping[Job, Report]) -> Standing:
     keys = {item.key for item in all_evidence(claim)}
     mine = [report for job, report in reports.items() if job.key in keys]
     needed = SETTLED_BY.get(claim.verdict, ())
-    held = [item.kind for item in claim.evidence if item_holds(item, reports)]
+    supporting = tuple(item for item in claim.evidence if not needed or item.kind in needed)
+    strongest = _strongest(supporting, reports)
     return Standing(
         claim,
-        _strongest(claim.evidence, reports),
+        strongest,
         tuple((repair.name, _strongest(repair.evidence, reports)) for repair in claim.repairs),
         sum(report.seconds for report in mine),
         tuple(problem(report) for report in mine if report.bad),
-        bool(needed) and not set(held) & set(needed),
+        bool(needed) and strongest is None,
     )
 
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from proofs_checks.html.names import plain
 
-_COLUMN, _ROW, _RADIUS, _MARGIN = 190, 92, 22, 46
+_COLUMN, _ROW, _RADIUS, _MARGIN = 200, 96, 22, 62
 _LARGEST = 9
 _LINE = 15
 
@@ -33,31 +33,30 @@ def drawable(data: Mapping[str, Any]) -> bool:
 
 def diagram(data: Mapping[str, Any]) -> str:
     """The states in layers by distance from the start, an arrow for every possible transition."""
-    states, kernels = data["states"], data["kernels"]
+    states, kernels, initial = data["states"], data["kernels"], data["initial"]
     edges = _edges(kernels, _action_names(data), len(states))
-    layers = _layers([s for s, p in enumerate(data["initial"]) if _positive(p)], edges, len(states))
+    layers = _layers([s for s, p in enumerate(initial) if _positive(p)], edges, len(states))
     places = _places(layers)
+    lowest = {layer[-1] for layer in layers if len(layer) > 1}
     resting = {edge.source for edge in edges if edge.source == edge.target and not edge.labels}
     parts = [_arrow(edge, places, edges) for edge in edges if edge.source != edge.target]
-    parts += [_loop(places[edge.source], edge.labels) for edge in edges if edge.source == edge.target and edge.labels]
+    parts += [
+        _loop(places[edge.source], edge.labels, -1 if edge.source in lowest else 1)
+        for edge in edges
+        if edge.source == edge.target and edge.labels
+    ]
     for s, name in enumerate(states):
-        x, y = places[s]
-        ring = f'<circle class="ring" cx="{x:g}" cy="{y:g}" r="{_RADIUS - 4}"/>' if s in resting else ""
-        parts.append(f'<circle class="state" cx="{x:g}" cy="{y:g}" r="{_RADIUS}"/>{ring}')
-        parts.append(_text((x, y + 5), [plain(name)], "name"))
-        if _positive(data["initial"][s]):
-            share = "" if str(data["initial"][s]) == "1" else str(data["initial"][s])
-            parts.append(f'<path class="edge" d="M{x - 56:g} {y:g} H{x - _RADIUS - 3:g}"/>')
-            parts.append(_text((x - 44, y - 7), [share], "label"))
-    width = max(x for x, _ in places.values()) + _MARGIN + 20
+        parts.append(_state(places[s], plain(name), resting=s in resting))
+        if _positive(initial[s]):
+            parts.append(_entrance(places[s], "" if str(initial[s]) == "1" else str(initial[s])))
+    width = max(x for x, _ in places.values()) + _MARGIN + 30
     height = max(y for _, y in places.values()) + _MARGIN
-    legend = " ".join([f"{plain(n)}" for n in kernels])
+    described = f"transition diagram with {len(states)} states, kernels {', '.join(map(plain, kernels))}"
     return (
-        f'<svg class="diagram" viewBox="0 0 {width:g} {height:g}" width="{width:g}" role="img" '
-        f'aria-label="transition diagram with {len(states)} states, kernels {escape(legend)}">'
-        '<defs><marker id="head" viewBox="0 0 10 10" refX="9" refY="5" markerWidth="7" markerHeight="7" '
-        'orient="auto-start-reverse"><path class="head" d="M0 0 L10 5 L0 10 z"/></marker></defs>'
-        f"{''.join(parts)}</svg>"
+        f'<svg class="diagram" viewBox="0 0 {width:g} {height:g}" width="{width:g}" height="{height:g}" role="img" '
+        f'aria-label="{escape(described)}"><defs><marker id="head" viewBox="0 0 10 10" refX="9" refY="5" '
+        'markerWidth="7" markerHeight="7" orient="auto-start-reverse"><path class="head" d="M0 0 L10 5 L0 10 z"/>'
+        f"</marker></defs>{''.join(parts)}</svg>"
     )
 
 
@@ -79,7 +78,8 @@ def _edges(kernels: Mapping[str, Any], actions: Sequence[str], n_states: int) ->
 def _labels(action: str, kernels: list[str], chances: list[str]) -> list[str]:
     prefix = f"{action}: " if action else ""
     if len(set(chances)) > 1:
-        return [f"{prefix}{plain(name)} {chance}" for name, chance in zip(kernels, chances, strict=True)]
+        named = zip(kernels, chances, strict=True)
+        return [f"{prefix}{plain(name)} {chance}" for name, chance in named if _positive(chance)]
     return [f"{prefix}{chances[0]}"] if chances[0] != "1" else [action] if action else []
 
 
@@ -100,7 +100,7 @@ def _layers(start: list[int], edges: list[Edge], n_states: int) -> list[list[int
 def _places(layers: list[list[int]]) -> dict[int, Point]:
     tallest = max(map(len, layers))
     return {
-        s: (_MARGIN + 34 + _COLUMN * column, _MARGIN + _ROW * (row + (tallest - len(layer)) / 2))
+        s: (_MARGIN + 10 + _COLUMN * column, _MARGIN + _ROW * (row + (tallest - len(layer)) / 2))
         for column, layer in enumerate(layers)
         for row, s in enumerate(layer)
     }
@@ -115,18 +115,37 @@ def _arrow(edge: Edge, places: Mapping[int, Point], edges: list[Edge]) -> str:
     bend = 34 if both_ways else 0.35 * length if passes else 0
     cx, cy = (x1 + x2) / 2 + bend * uy, (y1 + y2) / 2 - bend * ux
     start, end = _rim((x1, y1), (cx, cy), _RADIUS), _rim((x2, y2), (cx, cy), _RADIUS + 2)
-    at = 0.56  # nearer to the target, where arrows from one state have parted
-    label = tuple(
-        (1 - at) ** 2 * p + 2 * at * (1 - at) * c + at**2 * q for p, c, q in zip(start, (cx, cy), end, strict=True)
-    )
+    at = 0.5 if both_ways else 0.56  # nearer to the target, where arrows from one state have parted
+    x, y = ((1 - at) ** 2 * p + 2 * at * (1 - at) * c + at**2 * q for p, c, q in zip(start, (cx, cy), end, strict=True))
+    rows = len(edge.labels)
+    if abs(uy) > 0.9:  # a vertical arrow has its text beside it, on the outer side of its bend
+        style, x, y = ("label beside", x + 6, y) if uy > 0 else ("label before", x - 6, y)
+        y -= _LINE * (rows - 1) / 2 - 4
+    else:  # otherwise above an arrow that rises or bends up, below one that falls
+        style, below = "label", uy * ux > 0.05 if not both_ways else ux < 0
+        y += 16 if below else -7 - _LINE * (rows - 1)
     path = f'<path class="edge" d="M{start[0]:.1f} {start[1]:.1f} Q{cx:.1f} {cy:.1f} {end[0]:.1f} {end[1]:.1f}"/>'
-    return path + _text((label[0], label[1] - _LINE * (len(edge.labels) - 1) / 2 + 4), edge.labels, "label")
+    return path + _text((x, y), edge.labels, style)
 
 
-def _loop(place: Point, labels: Sequence[str]) -> str:
+def _loop(place: Point, labels: Sequence[str], side: int) -> str:
     x, y = place
-    path = f'<path class="edge" d="M{x - 11:g} {y - 19:g} C{x - 30:g} {y - 54:g} {x + 30:g} {y - 54:g} {x + 11:g} {y - 20:g}"/>'
-    return path + _text((x + 26, y - 34 - _LINE * (len(labels) - 1) / 2), labels, "label beside")
+    curve = f"M{x - 11:g} {y - side * 19:g} C{x - 30:g} {y - side * 54:g} {x + 30:g} {y - side * 54:g}"
+    beside = _text((x + 24, y - side * 34 - _LINE * (len(labels) - 1) / 2 + 4), labels, "label beside")
+    return f'<path class="edge" d="{curve} {x + 11:g} {y - side * 20:g}"/>{beside}'
+
+
+def _state(place: Point, name: str, *, resting: bool) -> str:
+    x, y = place
+    ring = f'<circle class="ring" cx="{x:g}" cy="{y:g}" r="{_RADIUS - 4}"/>' if resting else ""
+    text = _text((x, y + 5), [name], "name")
+    return f'<circle class="state" cx="{x:g}" cy="{y:g}" r="{_RADIUS}"/>{ring}{text}'
+
+
+def _entrance(place: Point, share: str) -> str:
+    x, y = place
+    path = f'<path class="edge" d="M{x - 56:g} {y:g} H{x - _RADIUS - 3:g}"/>'
+    return path + _text((x - 44, y - 7), [share], "label")
 
 
 def _near(place: Point, start: Point, end: Point) -> bool:

@@ -1,25 +1,34 @@
 r"""LaTeX formulas as MathML, which browsers render without any script.
 
 ``latex2mathml`` does the translation; what it leaves to renderers that browsers are not is put right here: spaces
-around named functions, limits under ``\max`` in displays, the alignment of table columns. A macro that it does not
-know is an error, not a piece of raw LaTeX on the page.
+around named functions, relations and fences, primes, limits under ``\max`` in displays, the alignment of columns. A
+macro that it does not know is an error, not a piece of raw LaTeX on the page.
 """
 
 from __future__ import annotations
 
 import re
 from functools import cache
-from xml.etree import ElementTree
+from xml.etree.ElementTree import Element, SubElement, fromstring, tostring
 
 from latex2mathml.converter import convert
 
 from bridge_theory.errors import InputError
 
 _NAMESPACE = "http://www.w3.org/1998/Math/MathML"
-_THIN = "0.167em"
-_UNDER_IN_DISPLAYS = {"max", "min", "sup", "inf", "lim", "argmax", "argmin", "arg max", "arg min", "lim sup"}
-_OPENING = {"(", "[", "{", "⟨", "|", "‖"}
-_UNITS = {"aligned": "align*", "gathered": "align*"}
+_THIN, _THICK = "0.167em", "0.278em"
+_RELATIONS = frozenset("=<>≤≥≠≈∼~⪰⪯≻≺⟺⟹⇒⇔→⟶↦∈∉⊆⊂≲≳≪≫≍≡⟂≔:∣")
+_FENCES = frozenset("()[]{}⟨⟩⌈⌉⌊⌋|‖/!")
+_OPENING = frozenset("([{⟨⌈⌊|‖")
+_PRIMES = frozenset("′″")
+_UNDER_IN_DISPLAYS = frozenset({"max", "min", "sup", "inf", "lim", "argmax", "argmin"})
+_SPELLINGS = (
+    ("{aligned}", "{align*}"),
+    ("{gathered}", "{align*}"),
+    (r"\arg\max", r"\operatorname{argmax}"),
+    (r"\arg\min", r"\operatorname{argmin}"),
+    (":=", "≔"),
+)
 
 
 @cache
@@ -32,11 +41,11 @@ def mathml(latex: str, *, display: bool = False) -> str:
     '<math><mrow><mi>x</mi></mrow></math>'
     """
     source = " ".join(latex.split())
-    for ours, theirs in _UNITS.items():
-        source = source.replace(f"{{{ours}}}", f"{{{theirs}}}")
+    for ours, theirs in _SPELLINGS:
+        source = source.replace(ours, theirs)
     try:
         text = convert(source, display="block" if display else "inline")
-        root = ElementTree.fromstring(text.replace(f' xmlns="{_NAMESPACE}"', ""))
+        root = fromstring(text.replace(f' xmlns="{_NAMESPACE}"', ""))
     except Exception as error:
         raise InputError(f"cannot translate the formula {latex!r}: {type(error).__name__} {error}") from error
     for element in root.iter():
@@ -45,41 +54,74 @@ def mathml(latex: str, *, display: bool = False) -> str:
     _repair(root, display)
     if not display:
         root.attrib.pop("display", None)
-    return ElementTree.tostring(root, encoding="unicode")
+    return tostring(root, encoding="unicode")
 
 
-def _repair(element: ElementTree.Element, display: bool) -> None:
-    for position, child in enumerate(element):
+def _repair(parent: Element, display: bool) -> None:
+    for child in parent:
         if align := child.attrib.pop("columnalign", None):
             child.set("style", f"text-align: {align}")
-        if _is_name(child):
-            child.tag = "mo"
-            child.attrib.clear()
-        core = _core(child)
-        if core is not None:
-            # as TeX: a thin space before, unless something opens there, and behind, unless an argument in parentheses
-            before = element[position - 1] if position else None
-            after = element[position + 1] if position + 1 < len(element) else None
-            tight = before is None or (before.tag == "mo" and _core(before) is None and before.text not in {")", "]"})
-            core.set("lspace", "0" if tight else _THIN)
-            core.set("rspace", "0" if after is None or (after.text or "") in _OPENING else _THIN)
-            if display and child.tag == "msub" and core.text in _UNDER_IN_DISPLAYS:
-                child.tag = "munder"
+        _lower_prime(child)
+        _space(child)
         _repair(child, display)
+    for position, child in enumerate(parent):
+        name = _named_function(child)
+        if name is None:
+            continue
+        # as TeX: a thin space before, unless something opens there, and behind, unless an argument in parentheses
+        before = parent[position - 1] if position else None
+        after = parent[position + 1] if position + 1 < len(parent) else None
+        tight = before is None or (
+            before.tag == "mo" and _named_function(before) is None and before.text not in {")", "]"}
+        )
+        name.set("lspace", "0" if tight else _THIN)
+        name.set("rspace", "0" if after is None or _opens(after) else _THIN)
+        if display and child.tag == "msub" and name.text in _UNDER_IN_DISPLAYS:
+            child.tag = "munder"
 
 
-def _core(element: ElementTree.Element) -> ElementTree.Element | None:
+def _space(element: Element) -> None:
+    if element.tag not in {"mi", "mo"} or element.text is None:
+        return
+    if element.text in _RELATIONS:
+        element.tag = "mo"
+        element.text = element.text.replace("~", "∼")
+        element.attrib.update(lspace=_THICK, rspace=_THICK)
+    elif element.text in _FENCES:
+        element.tag = "mo"
+        element.attrib.update(lspace="0", rspace="0")
+        element.attrib.setdefault("stretchy", "false")
+
+
+def _lower_prime(element: Element) -> None:
+    """A prime is raised already; as a superscript it would be raised twice and too small to see."""
+    if element.tag not in {"msup", "msubsup"} or element[-1].text not in _PRIMES:
+        return
+    base, prime = element[0], element[-1]
+    prime.tag = "mo"
+    prime.attrib.update(lspace="0", rspace="0")
+    inner = [base, prime]
+    if element.tag == "msup":
+        element.tag = "mrow"
+        element[:] = inner
+    else:
+        subscript = element[1]
+        element.tag = "msub"
+        element[:] = []
+        SubElement(element, "mrow").extend(inner)
+        element.append(subscript)
+
+
+def _named_function(element: Element) -> Element | None:
     """The named function that this element is, with or without scripts."""
     inner = element[0] if element.tag in {"msub", "msup", "msubsup", "munder"} else element
-    if _is_name(inner):
+    if inner.tag == "mi" and inner.text and re.fullmatch("[A-Za-z]{2,}", inner.text):
         inner.tag = "mo"
         inner.attrib.clear()
-    return inner if inner.tag == "mo" and _is_word(inner.text) else None
+    is_name = inner.tag == "mo" and inner.text is not None and re.fullmatch("[A-Za-z]+", inner.text)
+    return inner if is_name else None
 
 
-def _is_name(element: ElementTree.Element) -> bool:
-    return element.tag == "mi" and _is_word(element.text)
-
-
-def _is_word(text: str | None) -> bool:
-    return text is not None and re.fullmatch(r"[A-Za-z]{2,}( [A-Za-z]+)?", text) is not None
+def _opens(element: Element) -> bool:
+    first = next(iter(element), element) if element.tag == "mrow" else element
+    return first.text is not None and first.text in _OPENING

@@ -34,6 +34,16 @@ def line(text: str) -> str:
     return "".join([*pieces, _plain(text[end:])])
 
 
+def sentence(text: str) -> str:
+    """A phrase as a sentence: it begins with a capital and ends with a full stop.
+
+    >>> sentence("one round"), sentence("$x$ rises?")
+    ('One round.', '$x$ rises?')
+    """
+    begins = text[:1].upper() + text[1:] if re.match("[a-z]{2}|a ", text) else text
+    return begins if begins.rstrip().endswith((".", "?", "!", ":")) else f"{begins.rstrip()}."
+
+
 def _plain(text: str) -> str:
     if "$" in text or re.search(r"\\[A-Za-z]", text):
         raise InputError(f"LaTeX stands outside of dollars in {text.strip()!r}")

@@ -117,22 +117,13 @@ def paragraph_around(tex: str, anchor: str) -> LatexStatement:
     'Let $x := 1$.'
     """
     source = strip_comments(tex)
-    at = position_of(source, anchor)
+    if source.count(anchor) != 1:
+        raise LookupError(f"the anchor {anchor!r} occurs {source.count(anchor)} times in the LaTeX; it must occur once")
+    at = source.index(anchor)
     breaks = [match.span() for match in _BLANK_LINE.finditer(source)]
     start = max((stop for _, stop in breaks if stop <= at), default=0)
     end = min((begin for begin, _ in breaks if begin > at), default=len(source))
     return LatexStatement("passage", "", _section_at(source, start), (), start, source[start:end])
-
-
-def position_of(source: str, anchor: str) -> int:
-    """Where ``anchor`` stands in a comment-free source; raises `LookupError` unless it occurs exactly once.
-
-    >>> position_of("abc", "b")
-    1
-    """
-    if source.count(anchor) != 1:
-        raise LookupError(f"the anchor {anchor!r} occurs {source.count(anchor)} times in the LaTeX; it must occur once")
-    return source.index(anchor)
 
 
 def _statement(opened: _OpenEnvironment, source: str, end: int) -> LatexStatement:

@@ -17,7 +17,6 @@ from bridge_theory.errors import InputError
 from bridge_theory.latex_statements import (
     LatexStatement,
     paragraph_around,
-    position_of,
     read_statements,
     strip_comments,
 )
@@ -75,6 +74,23 @@ def entry(name: str) -> Entry:
     return known[name]
 
 
+def where(name: str) -> str:
+    """Where a statement lives: the dotted names of the formulas that come from it, or the note on why there is none.
+
+    Raises:
+        InputError: the paper has no such statement.
+
+    >>> where("lemma:regret_analysis")
+    'bridge_theory.regret.unknown.regret_unknown_stated'
+    >>> where("eq:constr")
+    'definition: the projection, computed by bridge_algos'
+    """
+    from bridge_theory.catalog import FORMULAS  # the map is readable without loading every formula
+
+    note = entry(name).note
+    return note or ", ".join(f"{f.function.__module__}.{f.name}" for f in FORMULAS.values() if f.source == name)
+
+
 def locate(tex: str) -> dict[str, LatexStatement]:
     r"""Every statement of a LaTeX source under its name: its label, its local name, or ``unnamed:KIND:CHARACTER``.
 
@@ -89,12 +105,12 @@ def locate(tex: str) -> dict[str, LatexStatement]:
     located = {label: statement for statement in statements for label in statement.labels}
     unlabelled = {statement.start: statement for statement in statements if not statement.labels}
     for known in entries().values():
-        if not known.anchor or known.anchor not in source:
+        if not known.anchor or source.count(known.anchor) != 1:
             continue
         if known.kind == "passage":
             located[known.name] = paragraph_around(tex, known.anchor)
             continue
-        at = position_of(source, known.anchor)
+        at = source.index(known.anchor)
         around = [s for s in unlabelled.values() if s.start <= at < s.start + len(s.text)]
         if around:
             located[known.name] = unlabelled.pop(max(s.start for s in around))

@@ -10,7 +10,7 @@ _EVEN = rises("cosh rises on the nonnegative reals")
 @bound(
     title="curvature of the link over features",
     symbol=r"\kappa",
-    source="sec:problem_formulation",
+    source="local:kappa",
     group="online",
     status="stated",
     words="the inverse slope of the sigmoid is at most {value} on inner products of norm B W",
@@ -19,7 +19,7 @@ _EVEN = rises("cosh rises on the nonnegative reals")
 def kappa(m: Arithmetic, *, B: Value, W: Value) -> Value:
     r"""Statement: :math:`\kappa=\sup_{\|x\|\le B,\|w\|\le W}1/\sigma'(\langle w,x\rangle)=2+2\cosh(BW)`.
 
-    Source: ``sec:problem_formulation``. Assumptions: none, a definition; as the paper uses it (on feature
+    Source: ``local:kappa``. Assumptions: none, a definition; as the paper uses it (on feature
     differences) it is too small, see ``kappa_differences``. Arguments: ``B, W`` > 0. Returns a number >= 4. Errors:
     ``InputError``.
 

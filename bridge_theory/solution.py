@@ -17,8 +17,8 @@ class Solution:
 
     ``status`` is ``found``, ``always`` (every searched value meets the target; ``value`` is the least favourable one)
     or ``never``. ``meets`` encloses the bound at ``value``; ``fails`` encloses it at ``beyond``, the neighbour that
-    exceeds the target (None if that neighbour is outside the statement's conditions). ``excluded`` says whether all
-    values beyond were ruled out by interval arithmetic alone; otherwise they are by the declared monotonicity.
+    exceeds the target (None if it equals the target to the highest precision). ``excluded`` says whether all values
+    beyond were ruled out by interval arithmetic alone; otherwise they are by the declared monotonicity.
     """
 
     bound: Bound

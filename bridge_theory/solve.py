@@ -11,7 +11,7 @@ from bridge_theory.parameters import Exact, Given, Parameter, Stored, parameter,
 from bridge_theory.search import Grid, float_grid, integer_grid
 from bridge_theory.setting import Setting
 from bridge_theory.solution import Solution
-from bridge_theory.verdict import Probe, decide, excluded_by_boxes
+from bridge_theory.verdict import Probe, applies, decide, excluded_by_boxes
 
 
 def solve_for(name: str, bound: Bound, target: Given, *, setting: Setting | None = None, **fixed: Given) -> Solution:
@@ -49,8 +49,8 @@ class _Search:
         self._probes: dict[int, Probe] = {}
 
     def smallest(self) -> Solution:
-        """The smallest index that meets the target; the meeting indices reach up to the end of the grid."""
-        first, last = self._grid.first, self._grid.last
+        """The smallest index that meets the target; the meeting indices reach up to the end of the window."""
+        first, last = self._window()
         if self._meets(first):
             return self._edge(first)
         step, failing = 1, first
@@ -58,11 +58,11 @@ class _Search:
             if meeting == last:
                 return self._never(last)
             failing, step = meeting, step * 2
-        return self._bisect(failing, meeting)
+        return self._bisect(failing, meeting, edge=first)
 
     def largest(self) -> Solution:
-        """The largest index that meets the target; the meeting indices start at the beginning of the grid."""
-        first, last = self._grid.first, self._grid.last
+        """The largest index that meets the target; the meeting indices start at the beginning of the window."""
+        first, last = self._window()
         if not self._meets(first):
             return self._never(first)
         step, meeting = 1, first
@@ -70,9 +70,34 @@ class _Search:
             if failing == last:
                 return self._edge(last)
             meeting, step = failing, step * 2
-        return self._bisect(failing, meeting)
+        return self._bisect(failing, meeting, edge=last)
 
-    def _bisect(self, failing: int, meeting: int) -> Solution:
+    def _window(self) -> tuple[int, int]:
+        """The first and last index at which the statement's conditions hold; they hold on an interval."""
+        first, last = self._grid.first, self._grid.last
+        inside, outside, step = first, first - 1, 1
+        while not self._applies(inside):
+            if inside == last:
+                raise InputError(f"{self._bound.name} applies at no {self._row.name} with these other parameters")
+            outside, inside, step = inside, min(inside + step, last), step * 2
+        start = self._boundary(inside, outside)
+        if self._applies(last):
+            return start, last
+        inside, outside, step = start, start + 1, 1
+        while self._applies(outside):
+            inside, outside, step = outside, min(outside + step, last), step * 2
+        return start, self._boundary(inside, outside)
+
+    def _boundary(self, inside: int, outside: int) -> int:
+        while abs(inside - outside) > 1:
+            middle = (inside + outside) // 2
+            inside, outside = (middle, outside) if self._applies(middle) else (inside, middle)
+        return inside
+
+    def _applies(self, index: int) -> bool:
+        return applies(self._bound, {**self._exact, self._row.name: self._grid.number(index)})
+
+    def _bisect(self, failing: int, meeting: int, *, edge: int) -> Solution:
         while abs(meeting - failing) > 1:
             middle = (meeting + failing) // 2
             if self._meets(middle):
@@ -81,7 +106,6 @@ class _Search:
                 failing = middle
         self._check_direction()
         fails = self._probe(failing)
-        edge = self._grid.first if failing < meeting else self._grid.last
         return Solution(
             bound=self._bound,
             name=self._row.name,
@@ -104,8 +128,6 @@ class _Search:
 
     def _reason(self, failing: int, fails: Probe) -> str:
         beyond = f"{self._row.name} = {show(self._grid.number(failing))}"
-        if fails.verdict == "undefined":
-            return f"{beyond} is outside the statement's conditions"
         if fails.verdict == "undecided":
             return f"at {beyond} the bound and the target agree to the highest precision"
         return f"at {beyond} the bound exceeds the target"
@@ -119,7 +141,7 @@ class _Search:
     def _never(self, index: int) -> Solution:
         self._check_direction()
         probe, best = self._probe(index), show(self._grid.number(index))
-        if probe.enclosure is None or probe.verdict != "fails":
+        if probe.verdict != "fails":
             reason = f"the bound cannot be told from the target even at {self._row.name} = {best}"
         else:
             reason = f"at the most favourable {self._row.name} = {best} the bound is still {probe.enclosure.lower:.6g}"
@@ -153,9 +175,7 @@ class _Search:
     def _check_direction(self) -> None:
         """Refuse to answer if two evaluated points contradict the declared direction."""
         rises = self._bound.monotone[self._row.name].direction == "rises"
-        points = sorted(
-            (index, probe.enclosure) for index, probe in self._probes.items() if probe.enclosure is not None
-        )
+        points = sorted((index, probe.enclosure) for index, probe in self._probes.items())
         for (left, at_left), (right, at_right) in pairwise(points):
             before, after = (at_left, at_right) if rises else (at_right, at_left)
             if before.lower > after.upper:

@@ -15,25 +15,30 @@ from bridge_theory.enclosure import FIRST_BITS, LAST_BITS, Enclosure
 from bridge_theory.errors import InputError
 from bridge_theory.parameters import Exact, Stored
 
-_MOST_BOXES = 3000
+_MOST_BOXES = 1000
 
-Verdict = Literal["meets", "fails", "undecided", "undefined"]
+Verdict = Literal["meets", "fails", "undecided"]
 
 
 @dataclass(frozen=True)
 class Probe:
-    """The verdict at one point, with the enclosure it rests on (none where the statement does not apply)."""
+    """The verdict at one point, with the enclosure it rests on."""
 
     verdict: Verdict
-    enclosure: Enclosure | None
+    enclosure: Enclosure
+
+
+def applies(bound: Bound, exact: Mapping[str, Stored]) -> bool:
+    """Whether the statement's conditions hold at exact parameters."""
+    try:
+        bound.check_conditions(exact)
+    except InputError:
+        return False
+    return True
 
 
 def decide(bound: Bound, exact: Mapping[str, Stored], target: Exact) -> Probe:
     """Whether ``bound <= target`` at exact parameters, precision raised until it is certain."""
-    try:
-        bound.check_conditions(exact)
-    except InputError:
-        return Probe("undefined", None)
     bits = FIRST_BITS
     while True:
         with flint_balls.working_precision(bits):

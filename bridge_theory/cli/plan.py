@@ -21,8 +21,8 @@ from bridge_theory.setting import Setting
 from bridge_theory.solution import Solution
 from bridge_theory.solve import solve_for
 
-_QUERIES = tuple(round(10 ** (exponent / 4)) for exponent in range(4, 29))  # T from 10 to 10^7
-_TABLE_STEP = 4
+_QUERIES = tuple(round(10 ** (exponent / 8)) for exponent in range(8, 57))  # T from 10 to 10^7
+_TABLE_STEP = 8
 
 
 def main(argv: list[str]) -> int:

@@ -129,4 +129,5 @@ def _trivial(bounds: Sequence[Bound], points: Sequence[Setting], x: FloatArray) 
 
 
 def _title(setting: Setting, varied: str) -> str:
-    return ", ".join(f"{name} = {show(value)}" for name, value in setting.items() if name != varied)
+    # no-break spaces keep "name = value" on one line
+    return ", ".join(f"{name}\u00a0=\u00a0{show(value)}" for name, value in setting.items() if name != varied)

@@ -50,7 +50,7 @@ def transition_log_covering_repaired(m: Arithmetic, *, S: Value, rows: Value, ep
     >>> round(float(transition_log_covering_repaired.estimate(S=2, rows=1, epsilon=1)), 4)
     1.0986
     """
-    denominator = m.ceil((S - 1) / m.expm1(epsilon))
+    denominator = m.max(1, m.ceil((S - 1) / m.expm1(epsilon)))  # the float quotient may underflow to 0
     return rows * m.log_binomial(denominator + 2 * S - 2, S - 1)
 
 
@@ -96,4 +96,4 @@ def transition_log_covering_two_states(m: Arithmetic, *, S: Value, rows: Value, 
     >>> round(float(transition_log_covering_two_states.estimate(S=2, rows=3, epsilon=0.25)), 4)
     4.1589
     """
-    return rows * m.log(m.ceil((S - 1) / m.expm1(epsilon)))
+    return rows * m.log(m.max(1, m.ceil((S - 1) / m.expm1(epsilon))))

@@ -113,7 +113,7 @@ def covariance_difference_sharp(m: Arithmetic, *, B: Value, R: Value) -> Value:
 @bound(
     title="features of two policies in the set",
     symbol=r"\|\phi(\pi_1)-\phi(\pi_2)\|_2",
-    source="sec:bridge",
+    source="local:feature_difference_main",
     group="offline",
     status="stated",
     trivial=lambda m, B: 2 * B,
@@ -125,7 +125,7 @@ def feature_difference_stated(m: Arithmetic, *, B: Value, n: Value) -> Value:
     r"""Statement: :math:`\|\phi^{\hat P}(\pi_1)-\phi^{\hat P}(\pi_2)\|_2\le4\sqrt2B/\sqrt n` for policies of the
     confidence set.
 
-    Source: ``sec:bridge``; false (audit M9), repaired by ``feature_difference_repaired``. Assumptions: bounded
+    Source: ``local:feature_difference_main``; false (M9), see ``feature_difference_repaired``. Assumptions: bounded
     features. Arguments: ``B`` > 0, ``n`` positive integer. Returns a bound claimed for a feature norm. Errors:
     ``InputError``.
 

@@ -17,7 +17,7 @@ _SURER = falls("log(1/delta) falls")
 @bound(
     title="policy error R_1",
     symbol="R_1",
-    source="appdx:offline_confset_guarantees",
+    source="local:policy_and_transition_error",
     group="offline",
     status="stated",
     trivial=1,
@@ -30,7 +30,7 @@ def policy_error_stated(m: Arithmetic, *, S: Value, A: Value, n: Value, delta1: 
     r"""Statement: :math:`H^2(P_*^{BC},P_*^{\pi^*})\le R_1=4|S|\log(|A|/\delta_1)/n` with probability at least
     :math:`1-\delta_1`.
 
-    Source: ``appdx:offline_confset_guarantees``; the corollary it cites has 6, see ``policy_error_corollary``.
+    Source: ``local:policy_and_transition_error``; the corollary it cites has 6, see ``policy_error_corollary``.
     Assumptions: deterministic stationary expert, independent data, realizable. Arguments: ``S, A, n`` positive
     integers, ``delta1`` in (0, 1). Returns a squared Hellinger distance; vacuous from 1 on. Errors: ``InputError``.
 

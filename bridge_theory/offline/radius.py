@@ -113,7 +113,7 @@ def offline_radius(m: Arithmetic, *, S: Value, A: Value, H: Value, n: Value, del
 @bound(
     title="offline confidence-set radius, appendix version",
     symbol=r"\mathrm{Radius}",
-    source="appdx:offline_confset_guarantees",
+    source="local:offline_radius_appendix",
     group="offline",
     status="stated",
     trivial=1,
@@ -128,7 +128,7 @@ def offline_radius_appendix(
     r"""Statement: ``confidence_set_radius`` at :math:`R_1(\delta/2)` and :math:`R_2(\delta/2)`, the same number as
     ``offline_radius``.
 
-    Source: the theorem of ``appdx:offline_confset_guarantees``. Assumptions: as for ``offline_radius``. Arguments:
+    Source: ``local:offline_radius_appendix``. Assumptions: as for ``offline_radius``. Arguments:
     ``S, A, H, n`` positive integers, ``delta`` in (0, 1), ``gamma_min`` in (0, 1]. Returns a Hellinger distance;
     vacuous from 1 on. Errors: ``InputError`` outside the domain.
 

@@ -21,7 +21,7 @@ _LONGER = rises("for every cover the bound rises, hence so does the infimum")
 @bound(
     title="transition error R_2",
     symbol="R_2",
-    source="appdx:offline_confset_guarantees",
+    source="local:policy_and_transition_error",
     group="offline",
     status="stated",
     trivial=1,
@@ -40,7 +40,7 @@ def transition_error_stated(m: Arithmetic, *, S: Value, A: Value, H: Value, n: V
     r"""Statement: :math:`H^2(\hat P^{\pi^*},P_*^{\pi^*})\le R_2=4|S|^2|A|\log(nH/\delta_2)/n` w.p. at least
     :math:`1-\delta_2`.
 
-    Source: ``appdx:offline_confset_guarantees``. Assumptions: stationary kernel in the class, independent data; true
+    Source: ``local:policy_and_transition_error``. Assumptions: stationary kernel in the class, independent data; true
     for ``delta2 <= 1/2`` or ``n H >= 2`` (audit O17). Arguments: ``S, A, H, n`` positive integers, ``delta2`` in (0,
     1). Returns a squared Hellinger distance; vacuous from 1 on. Errors: ``InputError`` outside the domain.
 
@@ -53,7 +53,7 @@ def transition_error_stated(m: Arithmetic, *, S: Value, A: Value, H: Value, n: V
 @bound(
     title="transition error at a cover",
     symbol="H^2",
-    source="appdx:transition_proofs",
+    source="local:transition_generalization",
     group="offline",
     status="stated",
     trivial=1,
@@ -66,7 +66,7 @@ def transition_error_covering(m: Arithmetic, *, n: Value, delta: Value, log_cove
     r"""Statement: for every :math:`\varepsilon`, :math:`H^2\le 6\log(2\mathcal
     N_{trans}(\varepsilon/H)/\delta)/n+\varepsilon`.
 
-    Source: the theorem of ``appdx:transition_proofs``; false as stated for some classes (audit O10), proved with
+    Source: ``local:transition_generalization``; false as stated for some classes (audit O10), proved with
     ``mle_covering_repaired``. Assumptions: stationary kernel in the class, independent data; ``log_covering`` at scale
     ``epsilon / H``. Arguments: ``n`` positive integer, ``delta`` in (0, 1), ``log_covering`` in nats, ``epsilon`` > 0.
     Returns a bound claimed for a squared Hellinger distance. Errors: ``InputError`` outside the domain.
@@ -80,7 +80,7 @@ def transition_error_covering(m: Arithmetic, *, n: Value, delta: Value, log_cove
 @bound(
     title="transition error at the best cover of the paper",
     symbol="H^2",
-    source="appdx:transition_proofs",
+    source="local:transition_generalization",
     group="offline",
     status="stated",
     trivial=1,
@@ -95,7 +95,7 @@ def transition_error_infimum(m: Arithmetic, *, S: Value, A: Value, H: Value, n: 
     .. math:: H^2\le\inf_{\varepsilon>0}\Bigl\{\tfrac{6(\log
     2+D\log(H/\varepsilon+1)+\log(1/\delta))}{n}+\varepsilon\Bigr\}.
 
-    Source: the theorem and the covering lemma of ``appdx:transition_proofs`` put together; the infimum is attained
+    Source: ``local:transition_generalization`` and the covering lemma after it put together; the infimum is attained
     where :math:`\varepsilon^2+H\varepsilon=6DH/n`. Assumptions: as for the theorem; its covering lemma is false for
     three or more states. Arguments: ``S, A, H, n`` positive integers, ``delta`` in (0, 1). Returns a bound claimed
     for a squared Hellinger distance. Errors: ``InputError`` outside the domain.

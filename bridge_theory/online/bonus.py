@@ -36,7 +36,7 @@ SAME_CELLS = requires(one_count_per_cell, "one count for each cell of the occupa
     status="stated",
     trivial=lambda m, eta: 2 * eta,
     spends=("delta",),
-    words="one step of the estimated dynamics changes the expectation by at most {value}",
+    words="each use of this cell adds {value} to the bonus",
     assumptions=_FIXED,
     conditions=(_SEEN_TWICE,),
     monotone={
@@ -72,7 +72,7 @@ def xi(m: Arithmetic, *, S: Value, A: Value, H: Value, eta: Value, delta: Value,
     status="stated",
     trivial=lambda m, eta: 2 * eta,
     spends=("delta",),
-    words="one step of the estimated dynamics changes the expectation by at most {value} for every policy",
+    words="each use of this cell adds {value} to the bonus that holds for every policy",
     assumptions=REAL_TRANSITIONS,
     conditions=(_SEEN_TWICE,),
     monotone={
@@ -110,7 +110,7 @@ def xi_bar(m: Arithmetic, *, S: Value, A: Value, H: Value, eta: Value, delta: Va
     status="repaired",
     trivial=lambda m, eta: 2 * eta,
     spends=("delta",),
-    words="one step of the estimated dynamics changes the expectation by at most {value}",
+    words="each use of this cell adds {value} to the bonus",
     assumptions=_FIXED,
     monotone={
         "N": falls("it is at most 2 eta, and (c + log log N)/N falls on the integers N >= 2 for every c > log 6"),
@@ -141,7 +141,7 @@ def xi_repaired(m: Arithmetic, *, S: Value, A: Value, H: Value, eta: Value, delt
     status="stated",
     trivial=lambda m, eta: 2 * eta,
     spends=("delta",),
-    words="the estimated dynamics change the policy's expectation by at most {value}",
+    words="the true expectation exceeds the estimated one by at most {value}",
     assumptions=_FIXED,
     conditions=(SAME_CELLS, _ALL_SEEN_TWICE),
     monotone={
@@ -177,7 +177,7 @@ def empirical_bonus(
     status="stated",
     trivial=lambda m, eta: 2 * eta,
     spends=("delta",),
-    words="the estimated dynamics change every policy's expectation by at most {value} + epsilon",
+    words="the estimated expectation exceeds the true one by at most {value} + epsilon, for every policy",
     assumptions=REAL_TRANSITIONS,
     conditions=(SAME_CELLS, _ALL_SEEN_TWICE),
     monotone={

@@ -18,7 +18,7 @@ _MONOTONE = {
     source="audit R3",
     group="regret",
     status="sharp",
-    words="u is at most {value} times log(1+u) for every u up to L^2 / v",
+    words="every u up to L^2 / v is at most {value} times log(1+u)",
     monotone={"L": rises("a/log(1+a) rises"), "v": falls("a/log(1+a) rises in a = L^2/v")},
 )
 def potential_factor(m: Arithmetic, *, L: Value, v: Value) -> Value:

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from bridge_theory import paper
+from bridge_theory.catalog import FORMULAS
 from bridge_theory.errors import InputError
 from bridge_theory.latex_statements import paragraph_around, read_statements, strip_comments
 
@@ -73,6 +74,26 @@ def test_a_new_statement_shows_as_unknown(tex: str) -> None:
     assert set(paper.locate(revised)) - set(paper.entries()) == {"lem:new"}
 
 
+def test_a_label_given_to_an_unlabelled_statement_replaces_its_local_name(tex: str) -> None:
+    revised = tex.replace(r"\begin{lemma}[Concentrability coefficient bound] ", r"\begin{lemma}\label{lem:new}", 1)
+    assert paper.stale_entries(revised) == ("local:concentrability_main",)
+    assert set(paper.locate(revised)) - set(paper.entries()) == {"lem:new"}
+
+
+def test_statements_are_found_by_label_by_anchor_and_by_paragraph() -> None:
+    lemma, passage = paper.entry("local:regret_known_dynamics"), paper.entry("local:kappa")
+    found = paper.locate(
+        rf"""\section{{A}} \begin{{lemma}} {lemma.anchor} \end{{lemma}} \begin{{remark}} r \end{{remark}}
+
+        Here ${passage.anchor}$ is defined. % and not here
+
+        \begin{{lemma}} \label{{lem:b}} {paper.entry("local:realizability").anchor} \end{{lemma}}"""
+    )
+    assert {name for name in found if not name.startswith("unnamed")} == {"lem:b", lemma.name, passage.name}
+    assert [statement.kind for name, statement in found.items() if name.startswith("unnamed")] == ["remark"]
+    assert found[passage.name].text.endswith("is defined. ")
+
+
 def test_an_unknown_name_is_refused_with_near_names() -> None:
     with pytest.raises(InputError, match=r"no statement named 'feature_diff_b'; did you mean lemma:feature_diff_b"):
         paper.entry("feature_diff_b")
@@ -102,9 +123,38 @@ def test_an_environment_that_closes_nothing_is_an_error() -> None:
         read_statements(r"\begin{lemma} \end{theorem}")
 
 
+def test_fingerprints_ignore_wrapping_and_nothing_else() -> None:
+    one, wrapped, other = (paragraph_around(text, "let") for text in ("let x  be", "let x\nbe", "let y be"))
+    assert one.fingerprint == wrapped.fingerprint != other.fingerprint
+
+
 def test_a_paragraph_is_found_only_by_an_unambiguous_anchor() -> None:
     assert paragraph_around("one\n\ntwo % hidden\n\nthree", "two").text == "two "
     with pytest.raises(LookupError, match="occurs 2 times"):
         paragraph_around("one\n\none", "one")
     with pytest.raises(LookupError, match="occurs 0 times"):
         paragraph_around("one % two", "two")
+
+
+def test_every_statement_lives_in_a_formula_or_says_why_not() -> None:
+    homeless = [name for name in paper.entries() if not paper.where(name)]
+    assert homeless == []
+    assert paper.where("local:beta_t") == "bridge_theory.online.confidence.beta_t"
+
+
+def test_no_statement_has_both_a_formula_and_an_excuse() -> None:
+    sources = {formula.source for formula in FORMULAS.values()}
+    assert [name for name, entry in paper.entries().items() if entry.note and name in sources] == []
+
+
+def test_every_formula_comes_from_the_paper_or_the_audit() -> None:
+    for formula in FORMULAS.values():
+        assert formula.source in paper.entries() or formula.source.startswith("audit "), formula
+
+
+def test_statements_said_to_be_repeated_point_to_one_with_a_formula() -> None:
+    repeated = [
+        match[1] for e in paper.entries().values() if (match := re.search(r"same statement as (\S+?)(,|$)", e.note))
+    ]
+    assert len(repeated) == 5
+    assert all(not paper.entry(name).note for name in repeated)

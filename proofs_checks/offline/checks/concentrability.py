@@ -41,23 +41,11 @@ def two_point_inequality(*, slack: int = 0) -> Outcome:
 
 def weaker_forms(*, factor: Fraction = Fraction(2)) -> Outcome:
     """(1 - R + sqrt(R (2 - R)(1 - g)/g))^2 <= 1 + sqrt(2 R)/g <= 1 + factor sqrt(R)/g, for g <= (1 - R)^2."""
-    c, s, q, r, g = reals("c s q r g")
-    sharp = [
-        c > 0,
-        s >= 0,
-        r >= 0,
-        q >= 0,
-        g > 0,
-        c * c + s * s == 1,
-        g <= c * c,
-        q * q * g == s * s * (1 - g),
-        r == 1 - c,
-    ]
-    (root2r,) = reals("root2r")
+    c, s, q, r, g, root2r = reals("c s q r g root2r")
+    positive = [c > 0, s >= 0, r >= 0, q >= 0, g > 0, root2r >= 0]
+    sharp = [*positive, c * c + s * s == 1, g <= c * c, q * q * g == s * s * (1 - g), r == 1 - c]
     value = (c + q) * (c + q)
-    claim = prove(
-        "sharp below 1 + sqrt(2R)/g", [*sharp, root2r >= 0, root2r * root2r == 2 * r], value * g <= g + root2r, 20
-    )
+    claim = prove("sharp below 1 + sqrt(2R)/g", [*sharp, root2r * root2r == 2 * r], value * g <= g + root2r)
     f = factor.numerator, factor.denominator
     stated = prove(
         "sqrt 2 below the factor",

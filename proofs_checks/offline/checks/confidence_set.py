@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from itertools import pairwise
 
 from hypothesis import strategies as st
 from hypothesis.strategies import DrawFn
@@ -24,6 +25,8 @@ from proofs_checks.exact.strategies import choices, pairs
 from proofs_checks.exact.surd import Surd, at_most_roots, surd
 from proofs_checks.outcome import Outcome, Tally, together
 from proofs_checks.smt import prove, reals
+
+Policy = Choice | tuple[int, ...]
 
 
 @st.composite
@@ -60,7 +63,8 @@ def any_policies(*, factor: Fraction = Fraction(2), context: Context = QUICK) ->
         exact = at_most_roots(k, (1, r1), (factor, r2))
         return exact and within(_root(k), confidence_set_radius_repaired, R1=r1, R2=r2)
 
-    settings = st.one_of(_settings(), _settings(deterministic=True).map(_as_choices))
+    known = _as_choices((*_detour(Fraction(3, 4)), (0, 0), (0, 1)))
+    settings = st.one_of(st.just(known), _settings(), _settings(deterministic=True).map(_as_choices))
     return on_every("T9, any policies", settings, holds, context.pick(quick=60, full=500))  # type: ignore[arg-type]
 
 
@@ -153,7 +157,7 @@ def monotone_in_errors(*, formula: Bound = confidence_set_radius_repaired, sign:
     """Larger error bounds give larger radii, so that bounds may stand in for the errors themselves."""
     tally = Tally()
     grid = [Fraction(k, 8) for k in range(9)]
-    for low, high in zip(grid, grid[1:], strict=False):
+    for low, high in pairwise(grid):
         for other in grid:
             for key, fixed in (("R1", "R2"), ("R2", "R1")):
                 small, large = ({key: value, fixed: other} for value in ((low, high) if sign > 0 else (high, low)))

@@ -148,7 +148,7 @@ def _features(law: Mapping[tuple[int, ...], Fraction], weights: Mapping[tuple[in
 
 
 def two_policies(*, share: Fraction = Fraction(1), context: Context = QUICK) -> Outcome:
-    """Two policies within r of the clone: the worst feature (B = 1) differs by 2 TV <= 2 min(1, 2r^2) and 2 sin(...)."""
+    """Two policies within r of the clone: the worst feature (B = 1) differs by 2 TV, below both formulas."""
 
     def holds(pair: Pair) -> bool:
         model = pair.model

@@ -1,0 +1,247 @@
+"""T3, T10 and T13: KL divergences of trajectory laws, and the budget that counts certify for them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from math import comb, factorial, prod
+
+from hypothesis import strategies as st
+from hypothesis.strategies import DrawFn
+
+from bridge_theory import (
+    hellinger_from_kl,
+    hellinger_from_kl_with_exits,
+    transition_kl_budget,
+)
+from bridge_theory.arithmetic.flint_balls import Ball, ball
+from proofs_checks.context import Context
+from proofs_checks.exact.certify import at_most, attained, value_of, within
+from proofs_checks.exact.every import QUICK, on_every
+from proofs_checks.exact.laws import (
+    History,
+    Law,
+    kl_divergence,
+    marginal,
+    occupancies,
+    row_kl,
+    squared_hellinger,
+    stationary_kernel,
+    stationary_policy,
+    trajectory_law,
+)
+from proofs_checks.exact.model import Model
+from proofs_checks.exact.strategies import Row, Study, count_rows, rows, studies
+from proofs_checks.offline.checks.maximum_likelihood import samples
+from proofs_checks.outcome import Outcome, Tally
+
+_FEW = (0, 1, 2, 3, 1000)
+
+
+@st.composite
+def _absolutely_continuous(draw: DrawFn) -> tuple[Model, Model, list[Row]]:
+    """A true model whose rows are positive, an estimate, and one policy."""
+    size, actions = draw(st.integers(1, 3)), draw(st.integers(1, 2))
+    true, estimated = (
+        tuple(tuple(draw(rows(size, weights)) for _ in range(actions)) for _ in range(size))
+        for weights in ((1, 2, 1000), _FEW)
+    )
+    model = Model(draw(rows(size, _FEW)), true, draw(st.integers(1, 3)))
+    return model, model.under(estimated), [draw(rows(actions, _FEW)) for _ in range(size)]
+
+
+def _laws(instance: tuple[Model, Model, list[Row]]) -> tuple[Law, Law]:
+    model, estimate, table = instance
+    policy = stationary_policy(table)
+    true, estimated = (
+        trajectory_law(m.initial, policy, stationary_kernel(m.kernel), m.horizon, arrival=True)
+        for m in (model, estimate)
+    )
+    return true, estimated
+
+
+def _summed_row_kl(instance: tuple[Model, Model, list[Row]], estimated: Law) -> Ball:
+    model, estimate, _ = instance
+    return sum(
+        (
+            ball(p) * row_kl(estimate.kernel[s][a], model.kernel[s][a])  # type: ignore[misc]
+            for d in occupancies(estimated, model.horizon)
+            for (s, a), p in d.items()  # type: ignore[misc]
+        ),
+        start=ball(0),
+    )
+
+
+def chain_rule(*, weight: Fraction = Fraction(1), context: Context = QUICK) -> Outcome:
+    """KL(P-hat^pi || P*^pi) = sum_t E_{P-hat} KL of the rows, to 360 digits; H^2 <= 1 - exp(-KL/2)."""
+
+    def holds(instance: tuple[Model, Model, list[Row]]) -> bool:
+        true, estimated = _laws(instance)
+
+        def total() -> Ball:
+            return kl_divergence(estimated, true)
+
+        def summed() -> Ball:
+            return ball(weight) * _summed_row_kl(instance, estimated)
+
+        equal = at_most(total, summed) and at_most(summed, total)
+        return equal and within(squared_hellinger(estimated, true), hellinger_from_kl, kl=summed)
+
+    return on_every("KL chain rule", _absolutely_continuous(), holds, context.pick(quick=25, full=150))
+
+
+def half_is_needed(*, half: Fraction = Fraction(1, 2)) -> Outcome:
+    """1 - exp(-KL/2) is attained by restriction: P = Q given an event of probability q, H^2 = 1 - sqrt q, KL = log(1/q)."""
+    tally = Tally()
+    for keep in (Fraction(1, 2), Fraction(3, 5), Fraction(1, 10)):
+        q = keep**2
+
+        def kl(q: Fraction = q) -> Ball:
+            return -ball(q).log() * ball(2 * half)
+
+        tally.expect(attained(1 - keep, hellinger_from_kl, kl=kl), f"q = {q}")
+    return tally.outcome("H^2 = 1 - exp(-KL/2) is attained")
+
+
+@st.composite
+def _with_exits(draw: DrawFn) -> tuple[tuple[Model, Model, list[Row]], frozenset[tuple[int, int]]]:
+    model, estimate, table = draw(_absolutely_continuous())
+    cells = [(s, a) for s in range(model.n_states) for a in range(model.n_actions)]
+    exits = frozenset(draw(st.lists(st.sampled_from(cells), max_size=2)))
+    # beyond an exit the truth may be anything, also disjoint from the estimate
+    kernel = tuple(
+        tuple(
+            draw(rows(model.n_states, _FEW)) if (s, a) in exits else model.kernel[s][a] for a in range(model.n_actions)
+        )
+        for s in range(model.n_states)
+    )
+    return (model.under(kernel), estimate, table), exits
+
+
+def exits(*, forgotten: Fraction = Fraction(0), context: Context = QUICK) -> Outcome:
+    """T3 with exits: p = P-hat(use an exit), K = KL summed before it; H^2 below the formula."""
+
+    def holds(case: tuple[tuple[Model, Model, list[Row]], frozenset[tuple[int, int]]]) -> bool:
+        instance, outside = case
+        model, estimate, table = instance
+        true, estimated = _laws(instance)
+        exit_mass = sum(
+            (p for h, p in estimated.items() if _exit_step(h, outside, model.horizon) < model.horizon), Fraction(0)
+        )
+        if exit_mass == 1:
+            return True
+
+        def before_exit() -> Ball:
+            total = ball(0)
+            for t in range(model.horizon):
+                law = trajectory_law(model.initial, stationary_policy(table), stationary_kernel(estimate.kernel), t + 1)
+                for h, p in law.items():
+                    if _exit_step(h, outside, t + 1) > t:
+                        s, a = h[-2:]
+                        total += ball(p) * row_kl(estimate.kernel[s][a], model.kernel[s][a])
+            return total
+
+        mass = exit_mass * (1 - forgotten)
+        return within(squared_hellinger(estimated, true), hellinger_from_kl_with_exits, kl=before_exit, exit_mass=mass)
+
+    return on_every("H^2 with exits", _with_exits(), holds, context.pick(quick=30, full=200))
+
+
+def _exit_step(history: History, outside: frozenset[tuple[int, int]], steps: int) -> int:
+    return next((t for t in range(steps) if history[2 * t : 2 * t + 2] in outside), steps)
+
+
+def laplace_mixture(*, states: int = 0, context: Context = QUICK) -> Outcome:
+    """The mixture's mass Q(x) of every count vector satisfies Q(x) C(N + S - 1, S - 1) >= prod (n_i/N)^{n_i}; sum Q = 1."""
+
+    def holds(counts: tuple[int, ...]) -> bool:
+        size, total = len(counts), sum(counts)
+        cells = comb(total + size - 1 - states, size - 1)
+        maximal = prod((Fraction(c, total) ** c for c in counts if c), start=Fraction(1))
+        mass = sum(
+            (factorial(total) // prod(map(factorial, c)) * _laplace(c) for c in samples(size, total)), Fraction(0)
+        )
+        return mass == 1 and _laplace(counts) * cells >= maximal
+
+    cases = st.integers(2, 4).flatmap(count_rows).filter(any)
+    return on_every("Laplace mixture", cases, holds, context.pick(quick=60, full=400))
+
+
+def _laplace(counts: Sequence[int]) -> Fraction:
+    size = len(counts)
+    return Fraction(prod(map(factorial, counts)) * factorial(size - 1), factorial(sum(counts) + size - 1))
+
+
+def crossing_probability(*, shrink: Fraction = Fraction(1), context: Context = QUICK) -> Outcome:
+    """P(N KL(p-hat_N || p) exceeds the budget for some N <= 40) <= delta: exact dynamic programme over counts."""
+    tally = Tally()
+    last = context.pick(quick=40, full=120)
+    for p, delta in (
+        (Fraction(1, 2), Fraction(1, 2)),
+        (Fraction(1, 10), Fraction(1, 2)),
+        (Fraction(1, 100), Fraction(9, 10)),
+    ):
+        alive, crossed = {0: Fraction(1)}, Fraction(0)
+        for n in range(1, last + 1):
+            reached: dict[int, Fraction] = {}
+            for heads, mass in alive.items():
+                for step, chance in ((1, p), (0, 1 - p)):
+                    reached[heads + step] = reached.get(heads + step, Fraction(0)) + mass * chance
+            alive = {}
+            for heads, mass in reached.items():
+                if _exceeds(heads, n, p, delta, shrink):
+                    crossed += mass
+                else:
+                    alive[heads] = mass
+        tally.expect(crossed <= delta, f"crossed with probability {float(crossed):.3g} > {delta} for p = {p}")
+    return tally.outcome(f"exact crossing probabilities up to N = {last}")
+
+
+def _exceeds(heads: int, n: int, p: Fraction, delta: Fraction, shrink: Fraction) -> bool:
+    empirical = (Fraction(heads, n), Fraction(n - heads, n))
+
+    def weighted() -> Ball:
+        return n * row_kl(empirical, (p, 1 - p))
+
+    def budget() -> Ball:
+        return ball(shrink) * value_of(transition_kl_budget, S=2, counts=(n,), delta=delta)
+
+    return not at_most(weighted, budget)
+
+
+def visits_equal_counts(*, offset: int = 0, context: Context = QUICK) -> Outcome:
+    """The step-wise count estimate with the expert reproduces the empirical frequencies: m-hat_h(s) = N_h(s)/n."""
+
+    def holds(study: Study) -> bool:
+        law, n = empirical_law(study), len(study.demonstrations)
+        for t in range(study.model.horizon):
+            states = marginal(law, lambda h, t=t: h[2 * t])  # type: ignore[misc]
+            counts = {s: sum(h[2 * t] == s for h in study.demonstrations) for s in range(study.model.n_states)}
+            if states != {s: Fraction(c + offset, n) for s, c in counts.items() if c}:
+                return False
+        return True
+
+    return on_every("visits under the step-wise estimate", studies(), holds, context.pick(quick=50, full=300))
+
+
+def empirical_law(study: Study) -> Law:
+    """The law under step-wise count estimates of kernel and policy and the empirical first state."""
+    demonstrations, size = study.demonstrations, study.model.n_states
+
+    def frequencies(prefixes: list[tuple[int, ...]], width: int) -> Row:
+        counts = [sum(p == (k,) for p in prefixes) for k in range(width)]
+        total = sum(counts)
+        return tuple(Fraction(c, total) for c in counts)
+
+    def policy(history: History) -> Row:
+        t = len(history) // 2
+        return frequencies(
+            [h[2 * t + 1 : 2 * t + 2] for h in demonstrations if h[2 * t] == history[-1]], study.model.n_actions
+        )
+
+    def kernel(history: History) -> Row:
+        t = len(history) // 2
+        return frequencies([h[2 * t : 2 * t + 1] for h in demonstrations if h[2 * t - 2 : 2 * t] == history[-2:]], size)
+
+    first = frequencies([h[:1] for h in demonstrations], size)
+    return trajectory_law(first, policy, kernel, study.model.horizon)

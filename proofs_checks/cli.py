@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import importlib.util
 import json
 import os
 import shutil
@@ -21,12 +22,14 @@ from proofs_checks.run import jobs_for, run_all
 from proofs_checks.standing import Standing, standing
 from proofs_checks.terminal import closing, table
 
+_ENGINES = ("z3", "hypothesis", "latex2mathml")
 _TOPICS = ("setting", "offline", "hellinger", "online", "regret", "experiments")
 
 
 def main(argv: list[str]) -> int:
     """Run ``bridge-rl check``. Returns 1 if anything that should hold does not, else 0."""
     options = _parser().parse_args(argv)
+    _require_engines()
     if options.search:
         from proofs_checks.attack import attack
 
@@ -81,6 +84,12 @@ def _parser() -> argparse.ArgumentParser:
     p.add_argument("--budget", type=float, default=60.0, metavar="SECONDS", help="how long to search (default 60)")
     p.add_argument("--out", type=Path, default=Path("."), help="where --search writes what it finds (default .)")
     return p
+
+
+def _require_engines() -> None:
+    missing = [name for name in _ENGINES if importlib.util.find_spec(name) is None]
+    if missing:
+        raise InputError(f"check needs {', '.join(missing)}; install them with: pip install 'bridge-rl[checks]'")
 
 
 def _chosen(options: argparse.Namespace) -> list[Claim]:

@@ -33,10 +33,11 @@ def main(argv: list[str]) -> int:
     chosen = _chosen(options.module, options.sample, options.seed)
     killers = ledger_killers() + example_killers() + test_killers(sorted(Path(options.tests).glob("test_*.py")))
     start = time.perf_counter()
-    baselines = observe_all(killers, options.jobs)
-    print(
-        f"{len(chosen)} mutants; {len(baselines)} of {len(killers)} killers pass on the formulas as written", flush=True
-    )
+    observed = observe_all(killers, options.jobs)
+    baselines = [baseline for baseline in observed if baseline.passes]
+    broken = [baseline.killer.name for baseline in observed if not baseline.passes]
+    print(f"{len(chosen)} mutants, {len(baselines)} killers; not used: {len(killers) - len(observed)} too slow", end="")
+    print(f", {', '.join(broken)} not passing on the formulas as written" if broken else "", flush=True)
     fates = campaign(chosen, baselines, options.jobs)
     print(report(fates))
     print(f"{time.perf_counter() - start:.0f} s")

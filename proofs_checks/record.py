@@ -46,7 +46,7 @@ def _repair(repair: Repair, reports: Mapping[Job, Report]) -> dict[str, Any]:
 
 
 def _evidence(item: Evidence, reports: Mapping[Job, Report]) -> dict[str, Any]:
-    found = {"kind": item.kind, "words": item.words, "check": item.key or None}
+    found: dict[str, Any] = {"kind": item.kind, "words": item.words, "check": item.key or None}
     if item.counterexample is not None:
         found["counterexample"] = item.counterexample.name
     if report := reports.get(Job(item.key)):

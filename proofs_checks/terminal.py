@@ -48,7 +48,7 @@ def closing(standings: Sequence[Standing], *, rejected: int, planted: int, secon
 
 
 def _cells(item: Standing) -> tuple[str, ...]:
-    strongest = item.strongest or ("not run" if item.unsupported else "-")
+    strongest: str = item.strongest or ("not run" if item.unsupported else "-")
     if item.problems:
         strongest = "PROBLEM"
     repaired = ", ".join(f"{name}: {_short(kind)}" for name, kind in item.repaired)

@@ -22,6 +22,7 @@ _FENCES = frozenset("()[]{}⟨⟩⌈⌉⌊⌋|‖/!")
 _OPENING = frozenset("([{⟨⌈⌊|‖")
 _PRIMES = frozenset("′″")
 _UNDER_IN_DISPLAYS = frozenset({"max", "min", "sup", "inf", "lim", "argmax", "argmin"})
+_ARGUMENTS = {"mfrac": 2, "msub": 2, "msup": 2, "munder": 2, "mover": 2, "mroot": 2, "msubsup": 3, "munderover": 3}
 _SPELLINGS = (
     ("{aligned}", "{align*}"),
     ("{gathered}", "{align*}"),
@@ -51,6 +52,8 @@ def mathml(latex: str, *, display: bool = False) -> str:
     for element in root.iter():
         if element.text and re.search(r"\\[A-Za-z]|&", element.text):
             raise InputError(f"the formula {latex!r} contains {element.text!r}, which cannot be translated")
+        if len(element) != _ARGUMENTS.get(element.tag, len(element)):
+            raise InputError(f"the formula {latex!r} cannot be translated: {element.tag} lacks an argument")
     _repair(root, display)
     if not display:
         root.attrib.pop("display", None)

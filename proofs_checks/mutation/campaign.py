@@ -39,10 +39,10 @@ class Fate:
         return self.killer.stage if self.killer else None
 
 
-def observe_all(killers: Sequence[Killer], processes: int) -> list[Baseline]:
-    """The baselines of all killers; those that do not pass on the formulas as written are left out."""
-    pairs = _each(killers, observe, limit=600.0, processes=processes, unit="check")
-    return [baseline for _, baseline in pairs if isinstance(baseline, Baseline) and baseline.passes]
+def observe_all(killers: Sequence[Killer], processes: int, longest: float = 60.0) -> list[Baseline]:
+    """The baselines of all killers; those that take longer than ``longest`` seconds are left out."""
+    pairs = _each(killers, observe, limit=longest, processes=processes, unit="check")
+    return [baseline for _, baseline in pairs if baseline is not None]
 
 
 def campaign(sites: Sequence[Site], baselines: Sequence[Baseline], processes: int) -> list[Fate]:
@@ -79,7 +79,7 @@ def _each(
 ) -> Iterator[tuple[Task, Answer | None]]:
     """``work`` on every task, each in a forked process; ``None`` where one runs longer than ``limit`` or dies."""
     waiting = list(reversed(tasks))
-    running: dict[Connection, tuple[Task, Any, float]] = {}
+    running: list[tuple[Connection, Task, Any, float]] = []
     with tqdm(total=len(tasks), unit=unit, disable=not sys.stderr.isatty(), leave=False) as bar:
         while waiting or running:
             while waiting and len(running) < processes:
@@ -88,13 +88,16 @@ def _each(
                 process = _FORK.Process(target=_send, args=(sender, work, task))
                 process.start()
                 sender.close()
-                running[receiver] = (task, process, time.monotonic() + limit)
-            ready = wait(list(running), timeout=1.0)
-            late = [receiver for receiver, (_, _, end) in running.items() if time.monotonic() > end]
-            for receiver in {*ready, *late}:
-                task, process, _ = running.pop(receiver)  # type: ignore[index]
-                answer = _receive(receiver) if receiver in ready else None  # type: ignore[arg-type]
-                process.kill() if answer is None else None
+                running.append((receiver, task, process, time.monotonic() + limit))
+            ready = wait([receiver for receiver, *_ in running], timeout=1.0)
+            for item in list(running):
+                receiver, task, process, end = item
+                if receiver not in ready and time.monotonic() <= end:
+                    continue
+                running.remove(item)
+                answer = _receive(receiver) if receiver in ready else None
+                if answer is None:
+                    process.kill()
                 process.join()
                 bar.update()
                 yield task, answer

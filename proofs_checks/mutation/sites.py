@@ -33,6 +33,10 @@ _VALUE_KEYWORDS = {"trivial", "failure"}
 """Of a decorator's arguments only these enter a value; titles, words and directions do not."""
 
 
+Functions = tuple[tuple[int, str], ...]
+"""First line and name of each enclosing function, outermost first."""
+
+
 @dataclass(frozen=True)
 class Site:
     """One place of one module and what is done to it; ``functions`` are the enclosing ones, outermost first."""
@@ -43,7 +47,7 @@ class Site:
     column: int
     change: str
     number: int
-    functions: tuple[tuple[int, str], ...]
+    functions: Functions
 
     def __str__(self) -> str:
         return f"{self.module}:{self.line}:{self.column + 1} {self.change}"
@@ -72,39 +76,27 @@ def mutated(site: Site) -> ast.Module:
     return tree
 
 
-def _walk(
-    parent: ast.AST, functions: tuple[tuple[int, str], ...]
-) -> Iterator[tuple[ast.expr, str, tuple[tuple[int, str], ...]]]:
-    for node in ast.iter_child_nodes(parent):
-        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
-            continue  # a docstring
-        if isinstance(node, ast.FunctionDef):
-            first = min(part.lineno for part in (node, *node.decorator_list))
-            for decorator in node.decorator_list:
-                for keyword in getattr(decorator, "keywords", ()):
-                    if keyword.arg in _VALUE_KEYWORDS:
-                        yield from _visit(keyword.value, functions)
-            for statement in node.body:
-                yield from _visit(statement, (*functions, (first, node.name)))
-        elif not isinstance(node, ast.AnnAssign | ast.Import | ast.ImportFrom):
-            yield from _visit(node, functions)
-
-
-def _visit(
-    node: ast.AST, functions: tuple[tuple[int, str], ...]
-) -> Iterator[tuple[ast.expr, str, tuple[tuple[int, str], ...]]]:
+def _walk(node: ast.AST, functions: Functions) -> Iterator[tuple[ast.expr, str, Functions]]:
+    """Every node that can be changed, with its change and the functions around it."""
     if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
+        return  # a docstring
+    if isinstance(node, ast.FunctionDef):
+        arguments = [keyword for part in node.decorator_list for keyword in getattr(part, "keywords", ())]
+        for keyword in arguments:
+            if keyword.arg in _VALUE_KEYWORDS:
+                yield from _walk(keyword.value, functions)
+        first = min([node.lineno, *(part.lineno for part in node.decorator_list)])
+        inside = (*functions, (first, node.name))
+        for statement in node.body:
+            yield from _walk(statement, inside)
         return
     if isinstance(node, ast.Lambda):
         functions = (*functions, (node.lineno, "<lambda>"))
     if isinstance(node, ast.expr) and (change := _described(node)):
         yield node, change, functions
-    if isinstance(node, ast.FunctionDef):
-        yield from _walk(ast.Module([node], []), functions)
-    else:
-        for child in ast.iter_child_nodes(node):
-            if not isinstance(child, ast.arguments):
-                yield from _visit(child, functions)
+    for child in ast.iter_child_nodes(node):
+        if not isinstance(child, ast.arguments):
+            yield from _walk(child, functions)
 
 
 def _described(node: ast.expr) -> str:
@@ -112,7 +104,7 @@ def _described(node: ast.expr) -> str:
         return f"{node.value} -> {node.value + 1}"
     operator = _operator(node)
     if operator is not None and type(operator) in _SWAPPED:
-        return f"{_SIGNS[type(operator)]} -> {_SIGNS[_SWAPPED[type(operator)]]}"  # type: ignore[index]
+        return f"{_SIGNS[type(operator)]} -> {_SIGNS[_SWAPPED[type(operator)]]}"
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
         return "-x -> x"
     name = _called(node)

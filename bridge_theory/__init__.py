@@ -1,5 +1,6 @@
 """Every bound of the BRIDGE paper (arXiv 2509.26605): symbolic, numeric, certified. Pure mathematics."""
 
+from bridge_theory.from_data import bounds_from_counts
 from bridge_theory.offline.concentrability import (
     concentrability_deterministic,
     concentrability_sharp,
@@ -88,6 +89,7 @@ from bridge_theory.online.confidence import (
     confidence_radius,
     confidence_radius_repaired,
 )
+from bridge_theory.online.containment import containment_failure_known, containment_failure_unknown
 from bridge_theory.online.coverage import coverage_failure, covered_bonus, reach_size
 from bridge_theory.online.l1_bonus import bonus_radius, estimated_radius_sum, transition_bonus
 from bridge_theory.online.multiplier import (
@@ -165,8 +167,10 @@ from bridge_theory.regret.unknown_repaired import (
     radius_sum_covered,
     regret_unknown_covered,
     regret_unknown_repaired,
+    regret_unknown_version_space,
 )
 from bridge_theory.setting import Setting
+from bridge_theory.solve import solve_for
 
 __all__ = [
     "Setting",
@@ -179,6 +183,7 @@ __all__ = [
     "bonus_radius",
     "bonus_sum_repaired",
     "bonus_sum_stated",
+    "bounds_from_counts",
     "bridge_regret_rate",
     "concentrability_deterministic",
     "concentrability_sharp",
@@ -189,6 +194,8 @@ __all__ = [
     "confidence_set_radius_angle",
     "confidence_set_radius_deterministic",
     "confidence_set_radius_repaired",
+    "containment_failure_known",
+    "containment_failure_unknown",
     "covariance_difference_sharp",
     "covariance_difference_stated",
     "coverage_failure",
@@ -287,9 +294,11 @@ __all__ = [
     "regret_unknown_repaired",
     "regret_unknown_squared",
     "regret_unknown_stated",
+    "regret_unknown_version_space",
     "regret_width",
     "row_error_at_step",
     "row_error_summed",
+    "solve_for",
     "squared_bonus_rate",
     "squared_bonus_sum_repaired",
     "squared_bonus_sum_stated",

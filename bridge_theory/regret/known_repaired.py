@@ -13,7 +13,7 @@ from bridge_theory.regret.trivial import IN_SET, twice_range
 _PLAY = (
     "the dynamics are known and both trajectories of a round follow them",
     "the best policy lies in the offline set",
-    "each round plays the exact arg-max pair, after an exact projection",
+    "each round plays the exact arg-max pair, after an exact projection, with exact policy features",
 )
 _D_RISES = rises("d log(1 + c/d) rises in d for every c >= 0")
 _W_FALLS = falls("beta_T falls")

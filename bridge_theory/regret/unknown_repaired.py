@@ -9,9 +9,10 @@ from bridge_theory.online.l1_bonus import EVENT
 from bridge_theory.online.norm_relation import supermartingale_factor
 from bridge_theory.preference import kappa_differences
 from bridge_theory.regret.known_repaired import regret_known_apriori
+from bridge_theory.regret.offline_gain import delta_n_version_space_sharp
 from bridge_theory.regret.trivial import IN_SET, twice_range
 
-_PLAY = (IN_SET, "each round plays the exact arg-max pair, after an exact projection")
+_PLAY = (IN_SET, "each round plays the exact arg-max pair, after an exact projection, with exact features")
 _COVERED = "every pair of the expert has at least n gamma_min / 2 recorded transitions (see coverage_failure)"
 _P_FALLS, _M_FALLS = falls("L_T falls"), falls("log(1/delta_M) falls")
 _SUM_MONOTONE = {
@@ -231,3 +232,54 @@ def regret_unknown_covered(
             m, B=B, W=W, lam=lam, d=d, H=H, T=T, K=K, delta_w=delta_w, delta_F=delta_F, radii=radii
         ),
     )
+
+
+@bound(
+    title="regret with unknown dynamics from demonstrations of a deterministic expert",
+    symbol=r"R_T",
+    source="audit R7, R8(c)",
+    group="regret",
+    status="repaired",
+    trivial=twice_range,
+    spends=("delta_off", "delta_w", "delta_F", "delta_P", "delta_M"),
+    words="the regret is at most {value}",
+    assumptions=(
+        *MODEL,
+        *EVENT,
+        _PLAY[1],
+        "deterministic stationary policies and expert, who is the best policy",
+        "the offline set is every policy that agrees with all n independent demonstrations",
+    ),
+    monotone={
+        "A": rises("Gamma_T rises"),
+        "S": rises("Delta_n and Gamma_T rise"),
+        "H": rises("Gamma_T rises"),
+        "T": rises("each part rises"),
+        "d": rises("beta_T and Psi_T rise"),
+        "delta_off": falls("Delta_n falls"),
+        "delta_w": falls("beta_T falls"),
+        "delta_F": falls("Psi_T falls"),
+        "delta_P": _P_FALLS,
+        "delta_M": _M_FALLS,
+    },
+)
+def regret_unknown_version_space(
+    m: Arithmetic, *, B: Value, W: Value, lam: Value, d: Value, S: Value, A: Value, H: Value, n: Value, T: Value,
+    K: Value, delta_off: Value, delta_w: Value, delta_F: Value, delta_P: Value, delta_M: Value,
+) -> Value:  # fmt: skip
+    r"""Statement: ``regret_unknown_repaired`` at :math:`\Delta_n=1-(\delta_{off}/(2^{|S|}-1))^{1/n}`.
+
+    Source: audit R7 with the version space of R8(c) and T7(b), which needs no estimate of the dynamics. Assumptions: as
+    ``regret_unknown_repaired`` and ``delta_n_version_space_sharp``. Arguments: as ``regret_unknown_repaired``, with
+    ``delta_off`` in (0, 1) for ``Delta_n``. Returns a regret. Errors: ``InputError``.
+
+    >>> setting = dict(B=1, W=0.5, lam=8, d=1, S=5, A=4, H=8, n=1000, K=1, T=1000, delta_off=0.05)
+    >>> chances = dict(delta_w=0.01, delta_F=0.01, delta_P=0.01, delta_M=0.01)
+    >>> round(float(regret_unknown_version_space.estimate(**chances, **setting)), 3)
+    6.409
+    """
+    # the undecorated function, because it keeps the names of the terms
+    return regret_unknown_repaired.function(
+        m, B=B, W=W, lam=lam, d=d, S=S, A=A, H=H, n=n, T=T, K=K, delta_w=delta_w, delta_F=delta_F, delta_P=delta_P,
+        delta_M=delta_M, Delta_n=delta_n_version_space_sharp(m, S=S, n=n, delta_off=delta_off),
+    )  # fmt: skip

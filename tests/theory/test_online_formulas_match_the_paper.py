@@ -100,6 +100,8 @@ BY_HAND: dict[str, float] = {
     + 2 * W * sqrt(4 * e / (e - 1) * B**2 * (d * log(1 + 2 * T) + log(1 / delta_V)) + 8 * (1 + e / (e - 1)) * B**2),
     "gamma_unknown": sqrt(2) * (4 * k1 * stated_beta(t) + alpha) + 2 * sqrt(squares) + 1 / t,
     "gamma_unknown_repaired": sqrt(2) * proved_gamma + 2 * sqrt(squares),
+    "containment_failure_known": 0.0625 + delta_w,
+    "containment_failure_unknown": 0.0625 + delta_w + delta_P,
     "online_bonus_delta": delta / (2 * A**S),
     "net_scale": 1 / (t**2 * k1 * lam + 4 * B**2 * t**3),
     "net_delta": delta / (1 + 4 * W / epsilon) ** d,
@@ -153,6 +155,7 @@ BY_HAND: dict[str, float] = {
     "radius_sum_covered": Gamma_covered,
     "regret_unknown_repaired": theorem_u(Gamma),
     "regret_unknown_covered": theorem_u(Gamma_covered),
+    "regret_unknown_version_space": 2 * B * W * T * (1 - (0.0625 / (2**S - 1)) ** (1 / n)),
     "gamma_true_bonus": sqrt(2) * gamma_T + 1 / T + 4 * sqrt(squares + 24 * T * epsilon * H**2 * W * B),
     "regret_unknown_stated": 2
     * (sqrt(2) * gamma_T + 1 / T + 4 * sqrt(squares + 24 * T * epsilon * H**2 * W * B)) * sqrt(T * 6.5) + 4.25,

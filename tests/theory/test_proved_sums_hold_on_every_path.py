@@ -142,6 +142,12 @@ def test_coverage_helps_only_when_there_is_data() -> None:
     assert many.failure.upper < 0.020001
 
 
+def test_a_horizon_of_one_has_no_transitions_to_pay_for() -> None:
+    point = {"S": 5, "A": 4, "H": 1, "n": 10, "T": 100, "K": 1, "delta_P": "0.05", "delta_M": "0.05"}
+    enclosure = radius_sum.enclosure(**point)
+    assert (enclosure.lower, enclosure.upper) == (0, 0)
+
+
 def test_knowing_nothing_leaves_the_trivial_bound() -> None:
     point = {"B": 1, "W": 0.5, "lam": 1, "d": 3, "T": 100, "K": 1, "delta_w": "0.05", "delta_F": "0.05"}
     value = regret_known_repaired.value(diameter=2, Delta_n=1, **point)

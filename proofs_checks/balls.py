@@ -16,7 +16,8 @@ from bridge_theory.arithmetic import flint_balls
 from proofs_checks.outcome import Outcome
 
 Ball: TypeAlias = Any
-Box: TypeAlias = Mapping[str, tuple[Fraction | int, Fraction | int]]
+Exact: TypeAlias = Fraction | int | str
+Box: TypeAlias = Mapping[str, tuple[Exact, Exact]]
 Sides: TypeAlias = tuple[Fraction, Fraction]
 
 BITS = 96
@@ -84,13 +85,15 @@ def _halves(
 ) -> list[dict[str, Sides]]:
     """The two halves along the side whose halving makes the expression's balls narrowest."""
 
-    def spread(halves: list[dict[str, Sides]]) -> float:
-        values = [expression(**{k: flint_balls.box(*sides) for k, sides in half.items()}) for half in halves]
-        return sum(float(value.rad()) if value.is_finite() else math.inf for value in values)
+    def badness(key: str) -> tuple[float, Fraction]:
+        values = [expression(**{k: flint_balls.box(*sides) for k, sides in half.items()}) for half in halves[key]]
+        spread = sum(float(value.rad()) if value.is_finite() else math.inf for value in values)
+        low, high = box[key]
+        return spread, (low - high) / (abs(low) + abs(high))  # on a tie, the relatively longest side
 
     cuts = {key: _middle(key, sides, geometric) for key, sides in box.items() if sides[0] < sides[1]}
-    choices = [[{**box, key: (box[key][0], cut)}, {**box, key: (cut, box[key][1])}] for key, cut in cuts.items()]
-    return min(choices, key=spread) if len(choices) > 1 else choices[0] if choices else []
+    halves = {key: [{**box, key: (box[key][0], cut)}, {**box, key: (cut, box[key][1])}] for key, cut in cuts.items()}
+    return halves[min(halves, key=badness)] if len(halves) > 1 else next(iter(halves.values()), [])
 
 
 def _middle(key: str, sides: Sides, geometric: tuple[str, ...]) -> Fraction:

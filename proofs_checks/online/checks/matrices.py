@@ -74,7 +74,7 @@ def expected_matrix_is_covered(context: Context, *, scale: float = 1.0) -> Outco
 def rounded_constants(*, constant: int = 27) -> Outcome:
     """e/(e-1) <= 2, and 4c (d log(1+2T) + log 1/delta) + 8 (1+c) <= 27 d log((1+2T)/delta)."""
     from bridge_theory.arithmetic.flint_balls import ball
-    from proofs_checks.balls import prove_positive
+    from proofs_checks.balls import Box, prove_positive
     from proofs_checks.smt import prove, reals
 
     c = 1 / (1 - ball(-1).exp())
@@ -85,7 +85,7 @@ def rounded_constants(*, constant: int = 27) -> Outcome:
     split = prove(
         "d x + y <= d (x + y)", [d >= 1, growth >= 0, chance >= 0], d * growth + chance <= d * (growth + chance)
     )
-    box = {"d": (1, 20), "T": (1, 10**6), "delta_V": ("1/1000", "1/2")}
+    box: Box = {"d": (1, 20), "T": (1, 10**6), "delta_V": ("1/1000", "1/2")}
     return together(
         tally.outcome("constants"), split, prove_positive("rounded - sharp", _gap, box, geometric=("d", "T"))
     )

@@ -25,13 +25,19 @@ from proofs_checks.mutation.sites import Site, formula_modules, sites
 from proofs_checks.mutation.survivors import explanation
 
 GOAL = 0.95
+TESTS = ("tests/theory/test_*.py", "tests/test_offline_formulas_*.py")
+"""The tests that hold formulas to numbers, relative to the root of the repository."""
 
 
 def main(argv: list[str]) -> int:
     """Run the campaign; returns 1 if less than ``GOAL`` is noticed or a survivor has no explanation."""
     options = _parser().parse_args(argv)
     chosen = _chosen(options.module, options.sample, options.seed)
-    killers = ledger_killers() + example_killers() + test_killers(sorted(Path(options.tests).glob("test_*.py")))
+    killers = (
+        ledger_killers()
+        + example_killers()
+        + test_killers(sorted(path for pattern in TESTS for path in Path().glob(pattern)))
+    )
     start = time.perf_counter()
     observed = observe_all(killers, options.jobs)
     baselines = [baseline for baseline in observed if baseline.passes]
@@ -82,7 +88,6 @@ def _parser() -> argparse.ArgumentParser:
     p.add_argument("--sample", type=int, metavar="N", help="only N mutants, drawn at random")
     p.add_argument("--seed", type=int, default=0, help="of the sample (default 0)")
     p.add_argument("--jobs", type=int, default=os.cpu_count(), help="mutants at a time (default: all cores)")
-    p.add_argument("--tests", default="tests/theory", metavar="FOLDER", help="test files to try (default tests/theory)")
     return p
 
 

@@ -10,6 +10,7 @@ from xml.etree import ElementTree
 
 import pytest
 
+from bridge_theory import paper
 from bridge_theory.errors import InputError
 from proofs_checks.counterexample import load
 from proofs_checks.html.diagram import diagram, drawable
@@ -17,6 +18,7 @@ from proofs_checks.html.entry import anchor
 from proofs_checks.html.mathml import mathml
 from proofs_checks.html.page import page
 from proofs_checks.html.prose import line, paragraphs, sentence
+from proofs_checks.html.sections import section_title
 from proofs_checks.ledger import all_evidence, claims, repairs
 from proofs_checks.run import jobs_for, run_all
 from proofs_checks.standing import standing
@@ -66,6 +68,12 @@ def test_every_counterexample_is_shown(document: str) -> None:
 def test_no_raw_latex_is_left(document: str) -> None:
     body = re.sub(r"<(style|script)>.*?</\1>", "", document, flags=re.DOTALL)
     assert re.findall(r"\\[A-Za-z]+|\$", re.sub(r"<[^>]*>", " ", body)) == []
+
+
+def test_every_section_has_a_title() -> None:
+    titles = {section_title(entry.section) for entry in paper.entries().values()}
+    assert [title for title in titles if ":" in title.split(" ")[0] and not title.startswith("Term")] == []
+    assert [title for title in titles if "\\" in title or "_" in title] == []
 
 
 def test_nothing_is_loaded_from_elsewhere(document: str) -> None:

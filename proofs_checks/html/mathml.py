@@ -20,6 +20,7 @@ _THIN, _THICK = "0.167em", "0.278em"
 _RELATIONS = frozenset("=<>≤≥≠≈∼~⪰⪯≻≺⟺⟹⇒⇔→⟶↦∈∉⊆⊂≲≳≪≫≍≡⟂≔:∣")
 _FENCES = frozenset("()[]{}⟨⟩⌈⌉⌊⌋|‖/!")
 _OPENING = frozenset("([{⟨⌈⌊|‖")
+_CLOSING = frozenset(")]}⟩⌉⌋|‖")
 _PRIMES = frozenset("′″")
 _UNDER_IN_DISPLAYS = frozenset({"max", "min", "sup", "inf", "lim", "argmax", "argmin"})
 _ARGUMENTS = {"mfrac": 2, "msub": 2, "msup": 2, "munder": 2, "mover": 2, "mroot": 2, "msubsup": 3, "munderover": 3}
@@ -65,6 +66,7 @@ def _repair(parent: Element, display: bool) -> None:
         if align := child.attrib.pop("columnalign", None):
             child.set("style", f"text-align: {align}")
         _lower_prime(child)
+        _lower_script(child)
         _space(child)
         _repair(child, display)
     for position, child in enumerate(parent):
@@ -75,7 +77,7 @@ def _repair(parent: Element, display: bool) -> None:
         before = parent[position - 1] if position else None
         after = parent[position + 1] if position + 1 < len(parent) else None
         tight = before is None or (
-            before.tag == "mo" and _named_function(before) is None and before.text not in {")", "]"}
+            before.tag == "mo" and _named_function(before) is None and before.text not in _CLOSING
         )
         name.set("lspace", "0" if tight else _THIN)
         name.set("rspace", "0" if after is None or _opens(after) else _THIN)
@@ -113,6 +115,14 @@ def _lower_prime(element: Element) -> None:
         element[:] = []
         SubElement(element, "mrow").extend(inner)
         element.append(subscript)
+
+
+def _lower_script(element: Element) -> None:
+    """A superscript belongs where the letter ends, not above its accent."""
+    if element.tag in {"msup", "msubsup"} and element[0].tag == "mover":
+        letter = Element("mpadded", height="0.7em")
+        letter.append(element[0])
+        element[0] = letter
 
 
 def _named_function(element: Element) -> Element | None:

@@ -17,14 +17,14 @@ _SUPERSCRIPTS = str.maketrans("0123456789+-=()n", "⁰¹²³⁴⁵⁶⁷⁸⁹�
 def plain(latex: str) -> str:
     r"""The name as text.
 
-    >>> plain(r"s_0"), plain(r"P^*"), plain(r"\hat P"), plain(r"\pi^{\mathrm{BC}}"), plain("phi_1")
-    ('s₀', 'P*', 'P̂', 'π BC', 'φ₁')
+    >>> plain(r"s_0"), plain(r"P^*"), plain(r"\hat P"), plain(r"\pi^{\mathrm{BC}}"), plain("gamma_min")
+    ('s₀', 'P*', 'P̂', 'π BC', 'γₘᵢₙ')
     """
     text = re.sub(r"\\(?:mathrm|text|operatorname|mathcal|mathbf|boldsymbol)\{([^{}]*)\}", r"\1", str(latex))
     text = re.sub(r"(?<![A-Za-z\\])([a-z]+)(?![A-Za-z])", lambda m: _GREEK.get(m[1], m[0]), text)
     text = re.sub(r"\\([A-Za-z]+)", lambda m: _GREEK.get(m[1], m[0] if m[1] in _ACCENTS else m[1]), text)
     text = re.sub(r"\\([a-z]+)\s*\{?(\w)\}?", lambda m: m[2] + _ACCENTS[m[1]] if m[1] in _ACCENTS else m[0], text)
-    text = re.sub(r"_\{([^{}]*)\}|_(\w)", lambda m: _script(m[1] or m[2], _SUBSCRIPTS), text)
+    text = re.sub(r"_\{([^{}]*)\}|_([0-9A-Za-z]+)", lambda m: _script(m[1] or m[2], _SUBSCRIPTS), text)
     text = re.sub(r"\^\{([^{}]*)\}|\^(\S)", lambda m: _script(m[1] or m[2], _SUPERSCRIPTS), text)
     return re.sub(r"[{}$\\]", "", text).strip()
 

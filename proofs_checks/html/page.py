@@ -12,6 +12,7 @@ from proofs_checks.claim import MEANING as VERDICTS
 from proofs_checks.evidence import MEANING as KINDS
 from proofs_checks.evidence import STRENGTH
 from proofs_checks.html.entry import badge, entry, repair_entry
+from proofs_checks.html.sections import section_title
 from proofs_checks.run import Job, Report
 from proofs_checks.standing import Standing
 
@@ -20,7 +21,7 @@ def page(standings: Sequence[Standing], reports: Mapping[Job, Report], *, quick:
     """A complete HTML document that needs nothing else."""
     sections: dict[str, list[str]] = {}
     for item in standings:
-        heading = _heading(paper.entry(item.claim.label).section)
+        heading = section_title(paper.entry(item.claim.label).section)
         sections.setdefault(heading, []).append(entry(item, reports))
     body = "".join(
         f"<section><h2>{escape(heading)}</h2>{''.join(articles)}</section>" for heading, articles in sections.items()
@@ -75,13 +76,6 @@ def _repaired(standings: Sequence[Standing], reports: Mapping[Job, Report]) -> s
     }
     articles = "".join(repair_entry(repair, users[name], reports) for name, repair in repairs.items())
     return f'<section class="theory"><h2>The repaired theory</h2>{articles}</section>' if articles else ""
-
-
-def _heading(section: str) -> str:
-    """A section of the paper by its label or its title."""
-    bare = section.split(":")[-1] if ":" in section and " " not in section.split(":")[0] else section
-    words = bare.replace("_", " ").removeprefix("appdx ").replace("\\bridge{}", "BRIDGE")
-    return words[:1].upper() + words[1:]
 
 
 def _resource(name: str) -> str:

@@ -77,6 +77,26 @@ def technical_lemma(data: Mapping[str, Any]) -> tuple[Number, Number]:
     return side(trajectory_error(data, OTHER)), side(trajectory_error(data, EXPERT) * scale)
 
 
+@evaluates("offline-full-support")
+def full_support(data: Mapping[str, Any]) -> tuple[Number, Number]:
+    """The technical lemma's sides; refused unless the expert visits at every step every pair that the policy visits."""
+    horizon = int(data["horizon"])
+    expert, other = (occupancies(law(data, TRUE, name), horizon) for name in (EXPERT, OTHER))
+    if any(set(o) - set(e) for e, o in zip(expert, other, strict=True)):
+        raise InputError("the policy visits a pair that the expert does not; the support is not full.")
+    return technical_lemma(data)
+
+
+@evaluates("offline-root-two")
+def root_two(data: Mapping[str, Any]) -> tuple[Number, Number]:
+    """H(P-hat^pi*, P-hat^pi), and sqrt(R1) + sqrt(2 R2), enclosed."""
+    k, r1 = (squared_hellinger(law(data, kernel, EXPERT), law(data, kernel, OTHER)) for kernel in (ESTIMATED, TRUE))
+    r2 = trajectory_error(data, EXPERT)
+    with working_precision(256):
+        roots = [value.ball().sqrt() if value > 0 else ball(0) for value in (k, r1, r2 * 2)]
+        return enclosed(roots[0]), enclosed(roots[1] + roots[2])
+
+
 @evaluates("offline-step-1")
 def step_1(data: Mapping[str, Any]) -> tuple[Number, Number]:
     """H^2 of the trajectories, and the sum over steps of the expected row errors."""

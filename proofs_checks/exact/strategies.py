@@ -107,23 +107,34 @@ class Study:
 
 @st.composite
 def studies(
-    draw: DrawFn, max_states: int = 4, max_actions: int = 2, max_horizon: int = 4, max_demonstrations: int = 3
+    draw: DrawFn,
+    max_states: int = 4,
+    max_actions: int = 2,
+    max_horizon: int = 4,
+    max_demonstrations: int = 3,
+    noisy: bool = False,
 ) -> Study:
-    """A deterministic expert and demonstrations chosen by Hypothesis among those of positive probability."""
+    """A deterministic expert and demonstrations chosen by Hypothesis among those of positive probability.
+
+    ``noisy`` demonstrations take any action at any time, as those of a stochastic expert do.
+    """
     model = draw(models(max_states, max_actions, max_horizon))
     expert = draw(actions_of(model))
     n = draw(st.integers(1, max_demonstrations))
-    return Study(model, expert, tuple(draw(_demonstrations(model, expert)) for _ in range(n)))
+    return Study(model, expert, tuple(draw(_demonstrations(model, expert, noisy)) for _ in range(n)))
 
 
 @st.composite
-def _demonstrations(draw: DrawFn, model: Model, expert: tuple[int, ...]) -> History:
+def _demonstrations(draw: DrawFn, model: Model, expert: tuple[int, ...], noisy: bool) -> History:
+    def action(state: int) -> int:
+        return draw(st.integers(0, model.n_actions - 1)) if noisy else expert[state]
+
     state = draw(st.sampled_from([s for s, p in enumerate(model.initial) if p]))
-    history: History = (state, expert[state])
+    history: History = (state, action(state))
     for _ in range(model.horizon - 1):
         row = model.kernel[history[-2]][history[-1]]
         state = draw(st.sampled_from([s for s, p in enumerate(row) if p]))
-        history = (*history, state, expert[state])
+        history = (*history, state, action(state))
     return history
 
 

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from hypothesis.strategies import DrawFn
 
 from bridge_theory import concentrability_deterministic, concentrability_sharp, concentrability_stated
+from bridge_theory.arithmetic.flint_balls import ball
 from bridge_theory.bound import Bound
 from proofs_checks.balls import Ball, prove_positive
 from proofs_checks.context import Context
@@ -55,12 +56,12 @@ def weaker_forms(*, factor: Fraction = Fraction(2)) -> Outcome:
     return together(claim, stated)
 
 
-def sharp_below_stated(*, factor: int = 1) -> Outcome:
+def sharp_below_stated(*, factor: Fraction = Fraction(1)) -> Outcome:
     """bridge_theory's sharp formula is below factor times its stated one on a box of (R, gamma)."""
 
     def gap(R: Ball, gamma_min: Ball) -> Ball:
         stated = value_of(concentrability_stated, R=lambda: R, gamma_min=lambda: gamma_min)
-        return stated * factor - value_of(concentrability_sharp, R=lambda: R, gamma_min=lambda: gamma_min)
+        return stated * ball(factor) - value_of(concentrability_sharp, R=lambda: R, gamma_min=lambda: gamma_min)
 
     box = {"R": (Fraction(1, 1000), Fraction(99, 100)), "gamma_min": (Fraction(1, 1000), Fraction(99, 100))}
     return prove_positive("1 + 2 sqrt(R)/gamma - C(R, gamma)", gap, box, geometric=("R", "gamma_min"))

@@ -12,6 +12,10 @@ from hypothesis.strategies import DrawFn
 from bridge_theory import (
     hellinger_from_kl,
     hellinger_from_kl_with_exits,
+    offline_radius_stochastic,
+    policy_kl_budget,
+    trajectory_kl,
+    transition_error_counts,
     transition_kl_budget,
 )
 from bridge_theory.arithmetic.flint_balls import Ball, ball
@@ -245,3 +249,77 @@ def empirical_law(study: Study) -> Law:
 
     first = frequencies([h[:1] for h in demonstrations], size)
     return trajectory_law(first, policy, kernel, study.model.horizon)
+
+
+def policy_divergence(*, share: Fraction = Fraction(1), context: Context = QUICK) -> Outcome:
+    """KL(P-hat^{pi-hat} || P-hat^pi) = (1/n) sum N_h(s) KL(pi-hat_h(s) || pi_h(s)) under step-wise estimates."""
+
+    def holds(instance: tuple[Study, list[Row]]) -> bool:
+        study, expert = instance
+        clone, n = empirical_law(study), len(study.demonstrations)
+        other = {h: p * _policy_ratio(study, expert, h) for h, p in clone.items()}
+
+        def cells() -> Ball:
+            total = ball(0)
+            for t in range(study.model.horizon):
+                for s in range(study.model.n_states):
+                    actions = [h[2 * t + 1] for h in study.demonstrations if h[2 * t] == s]
+                    if actions:
+                        counts = [actions.count(a) for a in range(study.model.n_actions)]
+                        row = tuple(Fraction(c, len(actions)) for c in counts)
+                        total += len(actions) * row_kl(row, expert[s])
+            return ball(share) * total / n
+
+        def divergence() -> Ball:
+            return kl_divergence(clone, other)
+
+        return at_most(cells, divergence) and at_most(divergence, cells)
+
+    cases = studies(max_states=3, max_actions=2, max_horizon=3, noisy=True).flatmap(
+        lambda s: st.tuples(st.just(s), st.tuples(*[rows(s.model.n_actions, (1, 2, 1000))] * s.model.n_states))
+    )
+    return on_every("policy divergence under the step-wise estimate", cases, holds, context.pick(quick=40, full=200))
+
+
+def _policy_ratio(study: Study, expert: Sequence[Row], history: History) -> Fraction:
+    """pi(a|s) over the frequency of a in s at each step, along one trajectory."""
+    ratio = Fraction(1)
+    for t in range(study.model.horizon):
+        s, a = history[2 * t : 2 * t + 2]
+        seen = [h[2 * t + 1] for h in study.demonstrations if h[2 * t] == s]
+        ratio *= expert[s][a] / Fraction(seen.count(a), len(seen))
+    return ratio
+
+
+def policy_budget_formula(*, actions: int = 0) -> Outcome:
+    """B_pi and the radius, from binomials computed in integers."""
+    tally = Tally()
+    for visits, delta in (((5, 0, 3), Fraction(1, 4)), ((1,), Fraction(1, 2)), ((20, 20, 7), Fraction(1, 100))):
+        for n_actions in (2, 4):
+            product_ = prod(comb(v + n_actions - 1 + actions, n_actions - 1 + actions) for v in visits if v)
+
+            def budget(product_: int = product_, delta: Fraction = delta) -> Ball:
+                return (ball(product_) / ball(delta)).log()
+
+            same = attained(budget, policy_kl_budget, A=n_actions, visits=visits, delta=delta)
+            tally.expect(same, f"the budget of {visits} for {n_actions} actions")
+
+            def radius(b: object = budget) -> Ball:
+                return (1 - (-b() / 40).exp()).sqrt()  # type: ignore[operator]
+
+            same = attained(radius, offline_radius_stochastic, A=n_actions, n=20, visits=visits, delta=delta)
+            tally.expect(same, f"the radius of {visits} for {n_actions} actions")
+
+            def error(product_: int = product_, delta: Fraction = delta, extra: int = n_actions) -> Ball:
+                first = comb(20 + extra - 1, extra - 1)
+                return 1 - (-(ball(product_ * first) / ball(delta)).log() / 40).exp()
+
+            same = attained(error, transition_error_counts, S=n_actions, n=20, counts=visits, delta=delta)
+            tally.expect(same, f"the transition error of {visits}")
+
+            def divergence(b: object = budget) -> Ball:
+                return b() / 4  # type: ignore[operator]
+
+            same = attained(divergence, trajectory_kl, S=n_actions, counts=visits, ratio=Fraction(1, 4), delta=delta)
+            tally.expect(same, f"the trajectory divergence of {visits}")
+    return tally.outcome("budgets from integers")

@@ -22,6 +22,7 @@ from proofs_checks.context import Context
 from proofs_checks.exact.certify import attained, value_of, within
 from proofs_checks.exact.every import QUICK, on_every
 from proofs_checks.exact.laws import squared_hellinger, total_variation
+from proofs_checks.exact.model import Model, point
 from proofs_checks.exact.strategies import Pair, Row, pairs, rows
 from proofs_checks.outcome import Outcome, Tally, together
 from proofs_checks.smt import prove, reals
@@ -164,3 +165,24 @@ def two_policies(*, share: Fraction = Fraction(1), context: Context = QUICK) -> 
         )
 
     return on_every("two deterministic policies in a ball", pairs(), holds, context.pick(quick=60, full=400))
+
+
+def pairs_attain(*, shift: Fraction = Fraction(0)) -> Outcome:
+    """Disjoint disagreements of probability r^2 each give 4 B r^2; three laws on an arc give 2 B sin(2 arccos(1 - r^2))."""
+    tally = Tally()
+    for square in (Fraction(1, 10), Fraction(1, 4), Fraction(1, 2)):
+        start = (square, square, 1 - 2 * square)
+        kernel = tuple((tuple(point(s, 3)),) * 2 for s in range(3))
+        model = Model(start, kernel, 1)
+        laws = [model.law(policy) for policy in ((0, 0, 0), (1, 0, 0), (0, 1, 0))]
+        inside = all(squared_hellinger(laws[0], law) == square for law in laws[1:])
+        gap = 2 * total_variation(laws[1], laws[2])
+        tally.expect(inside and gap == 4 * square, f"the instance at r^2 = {square} is another")
+        radius = _root_of(square)
+        tally.expect(attained(gap + shift, feature_difference_deterministic, B=1, radius=radius), f"r^2 = {square}")
+    for cosine, sine in ((Fraction(12, 13), Fraction(5, 13)), (Fraction(4, 5), Fraction(3, 5))):
+        # laws (sin^2, cos^2) at angles a - w, a, a + w with a = 45 degrees: TV of the outer two is sin(2w)
+        gap = 2 * 2 * sine * cosine
+        radius = _root_of(1 - cosine)
+        tally.expect(attained(gap + shift, feature_difference_repaired, B=1, radius=radius), f"cos = {cosine}")
+    return tally.outcome("pairs of policies attain the feature bounds")

@@ -20,7 +20,7 @@ import numpy as np
 from bridge_theory.cli.options import Parser
 from bridge_theory.errors import InputError
 from proofs_checks.mutation.campaign import Fate, campaign, observe_all
-from proofs_checks.mutation.killers import STAGES, example_killers, ledger_killers, test_killers
+from proofs_checks.mutation.killers import STAGES, example_killers, ledger_killers, file_killers
 from proofs_checks.mutation.sites import Site, formula_modules, sites
 from proofs_checks.mutation.survivors import explanation
 
@@ -36,7 +36,7 @@ def main(argv: list[str]) -> int:
     killers = (
         ledger_killers()
         + example_killers()
-        + test_killers(sorted(path for pattern in TESTS for path in Path().glob(pattern)))
+        + file_killers(sorted(path for pattern in TESTS for path in Path().glob(pattern)))
     )
     start = time.perf_counter()
     observed = observe_all(killers, options.jobs)

@@ -68,7 +68,7 @@ def example_killers() -> list[Killer]:
     return [Killer("examples", module) for module in formula_modules()]
 
 
-def test_killers(paths: Iterable[Path]) -> list[Killer]:
+def file_killers(paths: Iterable[Path]) -> list[Killer]:
     """Test files."""
     return [Killer("tests", str(path)) for path in paths]
 

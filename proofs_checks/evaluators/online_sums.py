@@ -94,9 +94,12 @@ def uncovered_bonuses(data: Mapping[str, Any]) -> tuple[Number, Number]:
         radius = a / root + b / root * (1 + (H * (1 + 2 * a / root)).sqrt())
         if not (radius >= 1 and actions - 1 >= 2 * T):
             return Fraction(0), Fraction(0)
+        squares = enclosed(4 * eta**2 * (T - 1) * (horizon - 1))
+        if data["bound"] == "rate":
+            rate = ball(T).log().min(ball(Fraction(T, n)))
+            return squares, enclosed(ball(Fraction(data["constant"])) * eta**2 * H**2 * rate)
         log_term = bonus_logarithm(ball(horizon * T), S=_ONE, A=A, H=H, eta=eta, epsilon=epsilon, delta=delta)
-        bound = 32 * eta**2 * log_term * (1 + ball(Fraction(T, n))).log()
-        return enclosed(4 * eta**2 * (T - 1) * (horizon - 1)), enclosed(bound)
+        return squares, enclosed(32 * eta**2 * log_term * (1 + ball(Fraction(T, n))).log())
 
 
 @evaluates("online-covered-bonuses")
@@ -141,13 +144,3 @@ def dimension(data: Mapping[str, Any]) -> tuple[Number, Number]:
     with working_precision(128):
         large, small, x = numbers(data, "d_large d_small x")
         return enclosed((large * (1 + x / large).log()).sqrt()), enclosed((small * (1 + x / small).log()).sqrt())
-
-
-@evaluates("online-squared-bonus-rate")
-def squared_bonus_rate(data: Mapping[str, Any]) -> tuple[Number, Number]:
-    """The first term of the squared-bonus lemma, and a constant times the rate that is derived from it (S = 1)."""
-    with working_precision(128):
-        eta, H, t, T, n, gamma_min, delta, constant = numbers(data, "eta H t T n gamma_min delta constant")
-        inner = (2 * (4 * eta**2 * H * t).max(_ONE)).log().log()
-        first = 12 * eta**2 * H**2 * (ball(Fraction(7, 5)) * inner + (ball(Fraction(26, 5)) / delta).log() + 1)
-        return enclosed(first), enclosed(constant * eta**2 * H**2 * T.log().min(T / (n * gamma_min)))

@@ -95,7 +95,8 @@ CLAIMS = (
         topic="online",
         verdict="open",
         statement=r"On $E_{w^*} \cap E_{\overline V_T} \cap E_{\text{off}}$, $\pi^* \in \Pi_t$ for all $t \le T$.",
-        because=r"The step $\lVert w^* - w_t\rVert_{\overline V_t} \le \gamma_t$ does not follow from an event about the last "
+        because=r"The step $\lVert w^* - w_t\rVert_{\overline V_t} \le \gamma_t$ does not follow from an event about "
+        r"the last "
         r"round only. With the event for all $t \le T$ (R9) the implication is right.",
         evidence=(unsettled("no run is known in which the step fails and the best policy is lost"), _IMPLICATION),
         repairs=(R2,),

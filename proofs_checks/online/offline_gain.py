@@ -79,7 +79,7 @@ R10 = Repair(
         exact(
             r"$P(\operatorname{Bin}(n,\gamma) < n\gamma/2) \le e^{-n\gamma/8}$ by exact sums",
             offline_gain.chernoff,
-            mutant("exponent divided by 1 instead of 8", rate=1),
+            mutant("exponent divided by 2 instead of 8", rate=2),
         ),
         proved(
             r"a covered pair costs at most $4\eta\sqrt{2U/(n\gamma_{\min})}$",

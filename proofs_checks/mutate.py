@@ -20,7 +20,7 @@ import numpy as np
 from bridge_theory.cli.options import Parser
 from bridge_theory.errors import InputError
 from proofs_checks.mutation.campaign import Fate, campaign, observe_all
-from proofs_checks.mutation.killers import STAGES, example_killers, ledger_killers, file_killers
+from proofs_checks.mutation.killers import STAGES, Killer, Stage, example_killers, file_killers, ledger_killers
 from proofs_checks.mutation.sites import Site, formula_modules, sites
 from proofs_checks.mutation.survivors import explanation
 
@@ -33,11 +33,7 @@ def main(argv: list[str]) -> int:
     """Run the campaign; returns 1 if less than ``GOAL`` is noticed or a survivor has no explanation."""
     options = _parser().parse_args(argv)
     chosen = _chosen(options.module, options.sample, options.seed)
-    killers = (
-        ledger_killers()
-        + example_killers()
-        + file_killers(sorted(path for pattern in TESTS for path in Path().glob(pattern)))
-    )
+    killers = [killer for stage in options.stages for killer in _killers(stage)]
     start = time.perf_counter()
     observed = observe_all(killers, options.jobs)
     baselines = [baseline for baseline in observed if baseline.passes]
@@ -48,6 +44,14 @@ def main(argv: list[str]) -> int:
     print(report(fates))
     print(f"{time.perf_counter() - start:.0f} s")
     return int(share(fates) < GOAL or any(fate.killer is None and not explanation(fate.site) for fate in fates))
+
+
+def _killers(stage: Stage) -> list[Killer]:
+    if stage == "ledger":
+        return ledger_killers()
+    if stage == "examples":
+        return example_killers()
+    return file_killers(sorted(path for pattern in TESTS for path in Path().glob(pattern)))
 
 
 def share(fates: Sequence[Fate]) -> float:
@@ -86,6 +90,7 @@ def _parser() -> argparse.ArgumentParser:
     p = Parser(prog="python -m proofs_checks.mutate", description=(__doc__ or "").split("\n\n")[1])
     p.add_argument("--module", default="", metavar="TEXT", help="only formula modules whose name contains this")
     p.add_argument("--sample", type=int, metavar="N", help="only N mutants, drawn at random")
+    p.add_argument("--stages", nargs="+", choices=STAGES, default=STAGES, help="what may notice (default: all three)")
     p.add_argument("--seed", type=int, default=0, help="of the sample (default 0)")
     p.add_argument("--jobs", type=int, default=os.cpu_count(), help="mutants at a time (default: all cores)")
     return p

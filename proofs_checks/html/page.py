@@ -13,8 +13,9 @@ from proofs_checks.evidence import MEANING as KINDS
 from proofs_checks.evidence import STRENGTH
 from proofs_checks.html.entry import badge, entry, repair_entry
 from proofs_checks.html.sections import section_title
+from proofs_checks.ledger import all_evidence
 from proofs_checks.run import Job, Report
-from proofs_checks.standing import Standing
+from proofs_checks.standing import Standing, item_holds
 
 
 def page(standings: Sequence[Standing], reports: Mapping[Job, Report], *, quick: bool) -> str:
@@ -38,7 +39,13 @@ def page(standings: Sequence[Standing], reports: Mapping[Job, Report], *, quick:
 def _top(standings: Sequence[Standing], reports: Mapping[Job, Report], quick: bool) -> str:
     kinds = Counter(item.strongest for item in standings)
     verdicts = Counter(item.claim.verdict for item in standings)
-    evidence = "".join(f'<div class="count"><b>{kinds[kind]}</b>{badge(kind, KINDS[kind])}</div>' for kind in STRENGTH)
+    held = {item.key or id(item): item.kind for one in standings for item in all_evidence(one.claim)
+            if item_holds(item, reports)}  # fmt: skip
+    pieces = Counter(held.values())
+    evidence = "".join(
+        f'<div class="count"><b>{kinds[kind]}</b>{badge(kind, KINDS[kind])}<small>{_pieces(pieces[kind])}</small></div>'
+        for kind in STRENGTH
+    )
     filters = "".join(
         f'<button type="button" data-verdict="{escape(verdict)}" aria-pressed="false" title="{escape(meaning)}">'
         f"{escape(verdict)} <b>{verdicts[verdict]}</b></button>"
@@ -59,13 +66,17 @@ def _top(standings: Sequence[Standing], reports: Mapping[Job, Report], quick: bo
         '<header class="top"><h1>Is each statement of the paper true?</h1>'
         "<p>Every numbered statement of BRIDGE with its verdict as printed, the evidence that a machine checked, a "
         "counterexample where it is false, and a statement that does hold instead.</p>"
-        f'<p class="title">Strongest evidence, by number of claims</p><div class="counts">{evidence}</div>'
+        f'<p class="title">Claims by their strongest evidence, and all pieces of evidence that hold</p><div class="counts">{evidence}</div>'
         f'<p class="state{" bad" if problems else ""}">{len(standings)} claims, {"quick" if quick else "full"} run. '
         f"{state}{planted}</p>"
         f"<details><summary>What the words mean</summary><dl>{meanings}</dl></details>"
         f'<nav class="filters" aria-label="Show claims by verdict">{filters}'
         '<input type="search" placeholder="label or name" aria-label="Search labels and names"></nav></header>'
     )
+
+
+def _pieces(count: int) -> str:
+    return f"{count} piece{'' if count == 1 else 's'}"
 
 
 def _repaired(standings: Sequence[Standing], reports: Mapping[Job, Report]) -> str:

@@ -66,7 +66,8 @@ def _top(standings: Sequence[Standing], reports: Mapping[Job, Report], quick: bo
         '<header class="top"><h1>Is each statement of the paper true?</h1>'
         "<p>Every numbered statement of BRIDGE with its verdict as printed, the evidence that a machine checked, a "
         "counterexample where it is false, and a statement that does hold instead.</p>"
-        f'<p class="title">Claims by their strongest evidence, and all pieces of evidence that hold</p><div class="counts">{evidence}</div>'
+        '<p class="title">Claims by their strongest evidence, and all pieces of evidence that hold</p>'
+        f'<div class="counts">{evidence}</div>'
         f'<p class="state{" bad" if problems else ""}">{len(standings)} claims, {"quick" if quick else "full"} run. '
         f"{state}{planted}</p>"
         f"<details><summary>What the words mean</summary><dl>{meanings}</dl></details>"

@@ -24,10 +24,10 @@ MEANING: dict[Verdict, str] = {
 }
 
 SETTLED_BY: dict[Verdict, tuple[Kind, ...]] = {
-    "true": ("kernel-checked", "proved", "exact on instances", "covered"),
-    "true, proof wrong": ("kernel-checked", "proved", "exact on instances", "covered"),
+    "true": ("kernel-checked", "proved", "exact on instances", "covered", "step proved"),
+    "true, proof wrong": ("kernel-checked", "proved", "exact on instances", "covered", "step proved"),
     "false": ("refuted",),
-    "undefined": ("kernel-checked", "proved", "refuted", "exact on instances"),
+    "undefined": ("kernel-checked", "proved", "refuted", "exact on instances", "step proved"),
     "cited": ("cited",),
     "open": ("open",),
 }

@@ -11,9 +11,11 @@ from proofs_checks.context import Context
 from proofs_checks.counterexample import Counterexample, load, replay
 from proofs_checks.outcome import Outcome
 
-Kind = Literal["kernel-checked", "proved", "refuted", "exact on instances", "covered", "cited", "open"]
+Kind = Literal["kernel-checked", "proved", "refuted", "exact on instances", "covered", "step proved", "cited", "open"]
 
-STRENGTH: tuple[Kind, ...] = ("kernel-checked", "proved", "refuted", "exact on instances", "covered", "cited", "open")
+STRENGTH: tuple[Kind, ...] = (
+    "kernel-checked", "proved", "refuted", "exact on instances", "covered", "step proved", "cited", "open",
+)  # fmt: skip
 """The kinds of evidence, strongest first; a refutation settles a statement as a proof does."""
 
 MEANING: dict[Kind, str] = {
@@ -22,6 +24,7 @@ MEANING: dict[Kind, str] = {
     "refuted": "a small exact counterexample, replayed by an independent evaluator",
     "exact on instances": "holds exactly on every enumerated or generated finite instance; not a proof",
     "covered": "holds in simulation at least as often as claimed, by exact confidence limits; not a proof",
+    "step proved": "one step of the proof holds on its whole domain, by a derivation that a machine ran; the rest is text",
     "cited": "taken from the literature, not checked here",
     "open": "neither proved nor refuted here",
 }
@@ -108,8 +111,13 @@ def kernel_checked(words: str, check: Check, *mutants: Mutant, full_only: bool =
 
 
 def proved(words: str, check: Check, *mutants: Mutant, full_only: bool = False, **arguments: Any) -> Evidence:
-    """A machine-run derivation for all values of the stated domain. Never samples."""
+    """A machine-run derivation of the whole statement, for all values of its domain. Never samples."""
     return Evidence("proved", words, check, mutants, arguments, full_only)
+
+
+def proved_step(words: str, check: Check, *mutants: Mutant, full_only: bool = False, **arguments: Any) -> Evidence:
+    """A machine-run derivation of one step; the statement itself follows by the text of the proof."""
+    return Evidence("step proved", words, check, mutants, arguments, full_only)
 
 
 def exact(words: str, check: Check, *mutants: Mutant, full_only: bool = False, **arguments: Any) -> Evidence:

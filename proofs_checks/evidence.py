@@ -24,7 +24,7 @@ MEANING: dict[Kind, str] = {
     "refuted": "a small exact counterexample, replayed by an independent evaluator",
     "exact on instances": "holds exactly on every enumerated or generated finite instance; not a proof",
     "covered": "holds in simulation at least as often as claimed, by exact confidence limits; not a proof",
-    "step proved": "one step of the proof holds on its whole domain, by a derivation that a machine ran; the rest is text",
+    "step proved": "one step of the proof holds on its whole domain, by a machine-run derivation; the rest is text",
     "cited": "taken from the literature, not checked here",
     "open": "neither proved nor refuted here",
 }

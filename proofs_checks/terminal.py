@@ -10,21 +10,25 @@ from proofs_checks.evidence import STRENGTH, Kind
 from proofs_checks.standing import Standing
 
 _HEADER = ("label", "name", "verdict", "strongest evidence", "seconds", "repaired by")
+_NARROW = 110
+"""Narrower terminals do without the last column."""
 _GREEN, _RED, _YELLOW, _GREY, _BOLD = "32", "31", "33", "90", "1"
 _VERDICT_COLOUR = {"true": _GREEN, "true, proof wrong": _YELLOW, "false": _RED, "undefined": _RED, "open": _YELLOW}
 
 
 def table(standings: Sequence[Standing], *, width: int | None, colour: bool) -> str:
     """One line per claim; labels are cut so that lines fit into ``width`` characters (None: no limit)."""
-    rows = [_cells(item) for item in standings]
-    widths = [max(len(row[column]) for row in (_HEADER, *rows)) for column in range(len(_HEADER))]
+    shown = slice(None, -1 if width is not None and width < _NARROW else None)
+    header, rows = _HEADER[shown], [_cells(item)[shown] for item in standings]
+    widths = [max(len(row[column]) for row in (header, *rows)) for column in range(len(header))]
     if width is not None:
-        for column, least in ((5, 12), (0, 28), (1, 20)):  # what to shorten first, and how far
+        for column, least in ((5, 12), (0, 28), (1, 20), (0, 14), (1, 16)):  # what to shorten first, and how far
             excess = sum(widths) + 2 * (len(widths) - 1) - width
-            widths[column] = max(min(least, widths[column]), widths[column] - max(0, excess))
-    lines = [_line(_HEADER, widths, [_BOLD] * len(_HEADER) if colour else None)]
+            if column < len(widths):
+                widths[column] = max(min(least, widths[column]), widths[column] - max(0, excess))
+    lines = [_line(header, widths, [_BOLD] * len(header) if colour else None)]
     for item, row in zip(standings, rows, strict=True):
-        lines.append(_line(row, widths, _colours(item) if colour else None))
+        lines.append(_line(row, widths, _colours(item)[shown] if colour else None))
     return "\n".join(lines)
 
 

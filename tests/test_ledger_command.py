@@ -18,6 +18,8 @@ from proofs_checks.evidence import exact, mutant, refuted, unsettled
 from proofs_checks.ledger import claims
 from proofs_checks.outcome import Outcome
 from proofs_checks.search import Attempt, Search
+from proofs_checks.standing import standing
+from proofs_checks.terminal import table
 
 
 def below(*, limit: int = 3) -> Outcome:
@@ -83,6 +85,13 @@ def test_filters_choose_claims(capsys: pytest.CaptureFixture[str]) -> None:
 def test_the_list_names_every_claim(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["--list"]) == 0
     assert [line.split("  (")[0] for line in capsys.readouterr().out.splitlines()] == [c.key for c in claims()]
+
+
+@pytest.mark.parametrize("width", [80, 100, 120, 200])
+def test_lines_fit_the_terminal(width: int) -> None:
+    lines = table([standing(claim, {}) for claim in claims()], width=width, colour=False).splitlines()
+    assert len(lines) == len(claims()) + 1
+    assert max(map(len, lines)) <= width
 
 
 def test_json_is_complete_and_free_of_terminal_codes(capsys: pytest.CaptureFixture[str]) -> None:

@@ -8,12 +8,14 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from joblib import Parallel, delayed
+from joblib import Parallel, delayed, effective_n_jobs
 from tqdm import tqdm
 
 from proofs_checks.context import Context
 from proofs_checks.evidence import Evidence
 from proofs_checks.ledger import evidence_by_key
+
+_WORTH_A_PROCESS = 5
 
 Status = Literal["holds", "fails", "error", "skipped", "not run"]
 
@@ -70,6 +72,8 @@ def run_job(job: Job, *, quick: bool, seed: int) -> Report:
 
 def run_all(jobs: Sequence[Job], *, quick: bool, seed: int = 0, processes: int = 1) -> dict[Job, Report]:
     """Run all jobs, with a progress bar where standard error is a terminal."""
+    # starting a process takes as long as a few checks
+    processes = min(effective_n_jobs(processes), max(1, len(jobs) // _WORTH_A_PROCESS))
     tasks = (delayed(run_job)(job, quick=quick, seed=seed) for job in jobs)
     with Parallel(processes, return_as="generator_unordered", pre_dispatch="all", batch_size=1) as pool:
         reports = tqdm(pool(tasks), total=len(jobs), unit="check", disable=not sys.stderr.isatty(), leave=False)

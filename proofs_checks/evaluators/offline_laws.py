@@ -65,7 +65,7 @@ def subset_class(data: Mapping[str, Any]) -> tuple[Number, Number]:
 
 @evaluates("offline-one-draw")
 def one_draw(data: Mapping[str, Any]) -> tuple[Number, Number]:
-    """The smallest H^2 between the truth and the empirical law of one draw, and 4 S^2 A log(nH/delta)/n at n = H = 1."""
+    """The smallest H^2 from the truth to the empirical law of one draw, and 4 S^2 A log(nH/delta)/n at n = H = 1."""
     truth = probability_row(data["laws"]["P^*"])
     points = [tuple(Fraction(i == k) for i in range(len(truth))) for k, p in enumerate(truth) if p]
     with working_precision(128):

@@ -14,6 +14,7 @@ from bridge_theory.arithmetic.flint_balls import ball, working_precision
 from bridge_theory.errors import InputError
 from proofs_checks.counterexample import Number, evaluates
 from proofs_checks.evaluators.offline_numbers import log, side
+from proofs_checks.evaluators.online_numbers import enclosed
 from proofs_checks.exact.laws import (
     Choice,
     History,
@@ -129,8 +130,8 @@ def step_3(data: Mapping[str, Any]) -> tuple[Number, Number]:
 
 @evaluates("offline-matrix-power")
 def matrix_power(data: Mapping[str, Any]) -> tuple[Number, Number]:
-    """1 - sum_i [M^H d_0]_i as printed, and H^2 by enumeration; M_{s,s'} as in the paper, two deterministic policies."""
-    first, second = model(data), model(data, data.get("second_kernel", TRUE))
+    """1 - sum_i [M^H d_0]_i as printed, and H^2 by enumeration; two deterministic policies."""
+    first = second = model(data)
     one, two = (data["policies"][name] for name in (EXPERT, OTHER))
     size = first.n_states
     matrix = [

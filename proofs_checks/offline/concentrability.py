@@ -29,9 +29,11 @@ CLAIMS = (
         name="concentrability bound (appendix)",
         topic="offline",
         verdict="true, proof wrong",
-        statement=r"If $H^2(P_*^{\hat\pi}, P_*^{\pi^*}) \le R$ then $C(\hat\pi, \pi^*) \le 1 + 2\sqrt R/\gamma_{\min}$.",
+        statement=r"""If $H^2(P_*^{\hat\pi}, P_*^{\pi^*}) \le R$ then $C(\hat\pi, \pi^*) \le 1 + 2\sqrt
+            R/\gamma_{\min}$.""",
         because=r"""Two errors of the proof cancel: twice the total variation is too large by a factor of 2, and
-            $\operatorname{TV} \le \sqrt{H^2}$ is too small by a factor of up to $\sqrt2$. It also cites the wrong assumption.""",
+            $\operatorname{TV} \le \sqrt{H^2}$ is too small by a factor of up to $\sqrt2$. It also cites the wrong
+            assumption.""",
         evidence=(*STATED_CONCENTRABILITY, text("concentrability_stated", "concentrability_sharp")),
         repairs=(T5,),
     ),

@@ -21,9 +21,11 @@ CLAIMS = (
         name="set from two errors (appendix)",
         topic="offline",
         verdict="true, proof wrong",
-        statement=r"""On the events $H^2(P_*^{\hat\pi}, P_*^{\pi^*}) \le R_1$ and $H^2(\hat P^{\pi^*}, P_*^{\pi^*}) \le R_2$:
-            $H(\hat P^{\pi^*}, \hat P^{\hat\pi}) \le \sqrt{R_1} + \sqrt{R_2}\,(1 + \sqrt{H(1 + 2\sqrt{R_1}/\gamma_{\min})})$.""",
-        because="T9 implies it for all policies; the third term of the paper's triangle inequality is not bounded as claimed.",
+        statement=r"""On the events $H^2(P_*^{\hat\pi}, P_*^{\pi^*}) \le R_1$ and $H^2(\hat P^{\pi^*}, P_*^{\pi^*})
+            \le R_2$: $H(\hat P^{\pi^*}, \hat P^{\hat\pi}) \le \sqrt{R_1} + \sqrt{R_2}\,(1 + \sqrt{H(1 +
+            2\sqrt{R_1}/\gamma_{\min})})$.""",
+        because=r"""T9 implies it for all policies; the third term of the paper's triangle inequality is not bounded
+            as claimed.""",
         evidence=RADIUS,
         repairs=(T9,),
     ),
@@ -55,8 +57,8 @@ CLAIMS = (
         name="the two errors",
         topic="offline",
         verdict="true, proof wrong",
-        statement=r"""$R_1 = 4|S|\log(|A|/\delta_1)/n$ and $R_2 = 4|S|^2|A|\log(nH/\delta_2)/n$ bound the two squared errors with
-            probability $1-\delta_1$ and $1-\delta_2$.""",
+        statement=r"""$R_1 = 4|S|\log(|A|/\delta_1)/n$ and $R_2 = 4|S|^2|A|\log(nH/\delta_2)/n$ bound the two squared
+            errors with probability $1-\delta_1$ and $1-\delta_2$.""",
         because=r"""The corollaries that are cited have 6, not 4; T7 and T11 prove 4. The second needs $nH \ge 2$ or
             $\delta_2 \le 1/2$.""",
         assumptions=("$nH \\ge 2$ or $\\delta_2 \\le 1/2$", "$|A| \\ge 2$, else there is nothing to clone"),

@@ -16,10 +16,10 @@ CLAIMS = (
         name="Hellinger ball to moments: mean",
         topic="offline",
         verdict="true",
-        statement=r"""If $\lVert f\rVert_\infty \le B$ and $H^2(P, Q) \le R$ then $\lVert\operatorname{E}_Pf - \operatorname{E}_Qf\rVert_2
-            \le 2\sqrt2\,B\sqrt{dR}$.""",
-        because=r"""T12 gives $2B\sqrt{dR(2-R)}$. Densities need not be continuous. The main text uses the form without $d$, which is
-            true for $\lVert f\rVert_2 \le B$, the assumption made there.""",
+        statement=r"""If $\lVert f\rVert_\infty \le B$ and $H^2(P, Q) \le R$ then $\lVert\operatorname{E}_Pf -
+            \operatorname{E}_Qf\rVert_2 \le 2\sqrt2\,B\sqrt{dR}$.""",
+        because=r"""T12 gives $2B\sqrt{dR(2-R)}$. Densities need not be continuous. The main text uses the form
+            without $d$, which is true for $\lVert f\rVert_2 \le B$, the assumption made there.""",
         evidence=(
             proved(
                 r"$(2\sqrt2B\sqrt R)^2 - (2B\sqrt{R(2-R)})^2 = 4B^2R^2$ (SymPy)",
@@ -34,7 +34,8 @@ CLAIMS = (
             text("mean_difference_stated", "mean_difference_sharp"),
         ),
         repairs=(T12,),
-        proof=r"""$\lVert\sum f(p-q)\rVert_2 \le \sqrt dB\cdot2\operatorname{TV}$ and $\operatorname{TV} \le \sqrt{2H^2}$.""",
+        proof=r"""$\lVert\sum f(p-q)\rVert_2 \le \sqrt dB\cdot2\operatorname{TV}$ and $\operatorname{TV} \le
+            \sqrt{2H^2}$.""",
     ),
     Claim(
         label="lem:hellinger_to_moment",
@@ -42,8 +43,10 @@ CLAIMS = (
         name="Hellinger ball to moments: covariance",
         topic="offline",
         verdict="true",
-        statement=r"""$\lVert\operatorname{Cov}_P - \operatorname{Cov}_Q\rVert_{op} \le 6dB^2\sqrt{2R}$ under the same assumptions.""",
-        because=r"T12 has 4 in place of 6, and $4t(1-t)$ of the total variation exactly. The proof has a sign error without effect.",
+        statement=r"""$\lVert\operatorname{Cov}_P - \operatorname{Cov}_Q\rVert_{op} \le 6dB^2\sqrt{2R}$ under the same
+            assumptions.""",
+        because=r"""T12 has 4 in place of 6, and $4t(1-t)$ of the total variation exactly. The proof has a sign error
+            without effect.""",
         evidence=(
             proved(
                 "the stated bound exceeds the sharp one for all R in a box (balls)",

@@ -46,15 +46,16 @@ CLAIMS = (
         name="error of log-loss cloning, cover",
         topic="offline",
         verdict="false",
-        statement=r"""With probability $1-\delta$, $H^2(P_*^{\hat\pi}, P_*^{\pi^*}) \le \inf_\varepsilon\{6\log(2\mathcal
-            N_{pol}(\varepsilon/H)/\delta)/n + \varepsilon\}$.""",
-        because=r"""The cited source has $4\varepsilon$. With $\varepsilon$ alone a class with many ties violates it surely, for every
-            sample.""",
+        statement=r"""With probability $1-\delta$, $H^2(P_*^{\hat\pi}, P_*^{\pi^*}) \le
+            \inf_\varepsilon\{6\log(2\mathcal N_{pol}(\varepsilon/H)/\delta)/n + \varepsilon\}$.""",
+        because=r"""The cited source has $4\varepsilon$. With $\varepsilon$ alone a class with many ties violates it
+            surely, for every sample.""",
         evidence=(refuted("offline-log-loss-ties"), text("policy_error_covering")),
         repairs=(T6,),
-        proof=r"""$H = |S| = 1$, actions $1, \ldots, L$, policies uniform on $M$ of them. Every policy whose set contains the data is
-            a maximiser, and one of them shares only the $n$ drawn actions with the expert: $H^2 = 1 - n/M$. The uniform policy
-            on all $L$ covers the class at $\varepsilon = \log(L/M)$. The instance is the smallest in $M$ of this family.""",
+        proof=r"""$H = |S| = 1$, actions $1, \ldots, L$, policies uniform on $M$ of them. Every policy whose set
+            contains the data is a maximiser, and one of them shares only the $n$ drawn actions with the expert: $H^2
+            = 1 - n/M$. The uniform policy on all $L$ covers the class at $\varepsilon = \log(L/M)$. The instance is
+            the smallest in $M$ of this family.""",
     ),
     Claim(
         label="thm:generalization_bound_logloss_BC_general",
@@ -80,8 +81,8 @@ CLAIMS = (
         topic="offline",
         verdict="true, proof wrong",
         statement=r"""$H^2(P_*^{\hat\pi}, P_*^{\pi^*}) \le 6|S|\log(|A|/\delta)/n$ with probability $1-\delta$.""",
-        because=r"""True with room: T7 has $(|S|\log2 + \log(1/\delta))/n$, without $|A|$. The step in the paper's proof holds only
-            for $\delta \le 2^{-1/(|S|-1)}$.""",
+        because=r"""True with room: T7 has $(|S|\log2 + \log(1/\delta))/n$, without $|A|$. The step in the paper's
+            proof holds only for $\delta \le 2^{-1/(|S|-1)}$.""",
         assumptions=("for $|A| = 1$ there is one policy and nothing to estimate",),
         evidence=(*POLICY_ERROR, text("policy_error_corollary")),
         repairs=(T7,),

@@ -12,10 +12,10 @@ T10 = Repair(
     name="T10",
     title="transition error from the counts",
     statement=r"""With probability $1-\delta$, at all times and for adaptively chosen pairs at once,
-        $\sum_{s,a}N_{sa}\mathrm{KL}(\hat P_{sa}\|P^*_{sa}) \le \mathcal B = \sum_{s,a}\log\binom{N_{sa}+|S|-1}{|S|-1} +
-        \log(1/\delta)$. Hence $\mathrm{KL}(\hat P^\pi\|P_*^\pi) \le \mathcal B\max\hat m/N$ for policies that stay on pairs with
-        data, and for step-wise counts with a deterministic expert $H^2(\hat P^{\pi^*}, P_*^{\pi^*}) \le 1 - e^{-\mathcal B/(2n)}$,
-        the first state being one more cell.""",
+        $\sum_{s,a}N_{sa}\mathrm{KL}(\hat P_{sa}\|P^*_{sa}) \le \mathcal B = \sum_{s,a}\log\binom{N_{sa}+|S|-1}{|S|-1}
+        + \log(1/\delta)$. Hence $\mathrm{KL}(\hat P^\pi\|P_*^\pi) \le \mathcal B\max\hat m/N$ for policies that stay
+        on pairs with data, and for step-wise counts with a deterministic expert $H^2(\hat P^{\pi^*}, P_*^{\pi^*}) \le
+        1 - e^{-\mathcal B/(2n)}$, the first state being one more cell.""",
     assumptions=("each row of the kernel is stationary", "$N$ counts the transitions used"),
     evidence=(
         exact(
@@ -49,20 +49,20 @@ T10 = Repair(
             mutant("a thousandth of the bound", shrink=0.001),
         ),
     ),
-    proof=r"""The Laplace mixture $Q(x^N) = \prod_i n_i!\,(|S|-1)!/(N+|S|-1)!$ over the true likelihood is a nonnegative
-        supermartingale of mean at most 1 for each row, and so is the product over rows; Ville's inequality. As a multinomial coefficient is at
-        most $e^{N\,\mathrm{entropy}}$, $Q/P^* \ge e^{N\mathrm{KL}}/\binom{N+|S|-1}{|S|-1}$. Then T3, and linear programming
-        duality for the maximum.""",
+    proof=r"""The Laplace mixture $Q(x^N) = \prod_i n_i!\,(|S|-1)!/(N+|S|-1)!$ over the true likelihood is a
+        nonnegative supermartingale of mean at most 1 for each row, and so is the product over rows; Ville's
+        inequality. As a multinomial coefficient is at most $e^{N\,\mathrm{entropy}}$, $Q/P^* \ge
+        e^{N\mathrm{KL}}/\binom{N+|S|-1}{|S|-1}$. Then T3, and linear programming duality for the maximum.""",
     formulas=("transition_kl_budget", "trajectory_kl", "transition_error_counts"),
 )
 
 T11 = Repair(
     name="T11",
     title="covers of transition kernels",
-    statement=r"""With $m = \lceil(|S|-1)/(e^\varepsilon-1)\rceil$,
-        $\log\mathcal N_{trans}(\varepsilon) \le |S||A|\log\binom{m+2|S|-2}{|S|-1} \le |S||A|(|S|-1)\log\bigl(e(1/(e^\varepsilon-1)+3)\bigr)$;
-        one row of two states needs exactly $\lceil 1/(e^\varepsilon-1)\rceil$ elements. With T6 and $D = |S||A|(|S|-1)$,
-        $H^2(\hat P^{\pi^*}, P_*^{\pi^*}) \le \frac{2D}{n}[\log(nH/D+3)+2] + \frac{2\log(1/\delta)}{n}$, which is at most
+    statement=r"""With $m = \lceil(|S|-1)/(e^\varepsilon-1)\rceil$, $\log\mathcal N_{trans}(\varepsilon) \le
+        |S||A|\log\binom{m+2|S|-2}{|S|-1} \le |S||A|(|S|-1)\log\bigl(e(1/(e^\varepsilon-1)+3)\bigr)$; one row of two
+        states needs exactly $\lceil 1/(e^\varepsilon-1)\rceil$ elements. With T6 and $D = |S||A|(|S|-1)$, $H^2(\hat
+        P^{\pi^*}, P_*^{\pi^*}) \le \frac{2D}{n}[\log(nH/D+3)+2] + \frac{2\log(1/\delta)}{n}$, which is at most
         $4|S|^2|A|\log(nH/\delta)/n$ whenever that is below 1 and $nH \ge 2$ or $\delta \le 1/2$.""",
     evidence=(
         exact(
@@ -112,11 +112,11 @@ T11 = Repair(
             mutant("no number is its own minimum", slack=-1.0),
         ),
     ),
-    proof=r"""Take integers $c_i \ge \lceil mp_i\rceil$ with sum $M = m + |S| - 1$ and $q_i = c_i/M$: then
-        $p_i/q_i \le M/m \le e^\varepsilon$. There are $\binom{m+2|S|-2}{|S|-1}$ such vectors, and $\binom ab \le (ea/b)^b$.
+    proof=r"""Take integers $c_i \ge \lceil mp_i\rceil$ with sum $M = m + |S| - 1$ and $q_i = c_i/M$: then $p_i/q_i
+        \le M/m \le e^\varepsilon$. There are $\binom{m+2|S|-2}{|S|-1}$ such vectors, and $\binom ab \le (ea/b)^b$.
 
-        For the corollary take $\varepsilon = D/n$ in T6. With $|S| \ge 2$ the stated bound is at least $16\log n/n$, so being
-        below 1 needs $n \ge 68$; then $nH/D \le nH/2$ and $2\log(nH) \ge \log(nH/2+3)+2$.""",
+        For the corollary take $\varepsilon = D/n$ in T6. With $|S| \ge 2$ the stated bound is at least $16\log n/n$,
+        so being below 1 needs $n \ge 68$; then $nH/D \le nH/2$ and $2\log(nH) \ge \log(nH/2+3)+2$.""",
     formulas=(
         "transition_log_covering_repaired",
         "transition_log_covering_closed_form",
@@ -128,10 +128,11 @@ T11 = Repair(
 T12 = Repair(
     name="T12",
     title="moments in a Hellinger ball",
-    statement=r"""For $\lVert f\rVert_2 \le b$ and $H^2(P,Q) \le R$: $\lVert\operatorname{E}_Pf - \operatorname{E}_Qf\rVert_2 \le
-        2b\sqrt{R(2-R)}$ and $\lVert\operatorname{Cov}_P - \operatorname{Cov}_Q\rVert_{op} \le b^2\varphi(\sqrt{R(2-R)})$ with
-        $\varphi(t) = 4t(1-t)$ up to $1/2$ and 1 beyond. Two policies within $r$ of the clone have features at most
-        $2B\sin\min(\pi/2, 2\arccos(1-r^2)) \le 4\sqrt2Br$ apart, deterministic ones at most $2B\min(1, 2r^2)$.""",
+    statement=r"""For $\lVert f\rVert_2 \le b$ and $H^2(P,Q) \le R$: $\lVert\operatorname{E}_Pf -
+        \operatorname{E}_Qf\rVert_2 \le 2b\sqrt{R(2-R)}$ and $\lVert\operatorname{Cov}_P -
+        \operatorname{Cov}_Q\rVert_{op} \le b^2\varphi(\sqrt{R(2-R)})$ with $\varphi(t) = 4t(1-t)$ up to $1/2$ and 1
+        beyond. Two policies within $r$ of the clone have features at most $2B\sin\min(\pi/2, 2\arccos(1-r^2)) \le
+        4\sqrt2Br$ apart, deterministic ones at most $2B\min(1, 2r^2)$.""",
     evidence=(
         proved(
             "the scalar maximisation behind the covariance (Z3)",
@@ -164,23 +165,24 @@ T12 = Repair(
             mutant("a millionth more", shift=Fraction(1, 10**6)),
         ),
     ),
-    proof=r"""$\lVert\sum f(p-q)\rVert \le 2b\operatorname{TV}$ and T0. For the covariance reduce to a scalar and write
-        $P = (1-t)\nu + t\alpha$, $Q = (1-t)\nu + t\beta$: with $a = |\mu_\alpha| \le 1$ the gain in variance is at most
-        $t(1-a^2) + t(1-t)(1+a)^2$; maximise over $a$. Two laws within $r$ of a third are at an angle of at most
-        $2\arccos(1-r^2)$; for deterministic policies $\operatorname{TV} = H^2$ and disagreements add.""",
+    proof=r"""$\lVert\sum f(p-q)\rVert \le 2b\operatorname{TV}$ and T0. For the covariance reduce to a scalar and
+        write $P = (1-t)\nu + t\alpha$, $Q = (1-t)\nu + t\beta$: with $a = |\mu_\alpha| \le 1$ the gain in variance is
+        at most $t(1-a^2) + t(1-t)(1+a)^2$; maximise over $a$. Two laws within $r$ of a third are at an angle of at
+        most $2\arccos(1-r^2)$; for deterministic policies $\operatorname{TV} = H^2$ and disagreements add.""",
     formulas=("mean_difference_sharp", "covariance_difference_sharp", "feature_difference_repaired"),
 )
 
 T13 = Repair(
     name="T13",
     title="radius for a stochastic expert",
-    statement=r"""With step-wise count estimates of policy and kernel and empirical first state,
-        $H^2(\hat P^{\pi^*}, \hat P^{\hat\pi}) \le 1 - e^{-\mathcal B_\pi/(2n)}$ with probability $1-\delta$, where
-        $\mathcal B_\pi = \sum_{h,s:N>0}\log\binom{N_h(s)+|A|-1}{|A|-1} + \log(1/\delta)$: the transition error does not enter.""",
+    statement=r"""With step-wise count estimates of policy and kernel and empirical first state, $H^2(\hat P^{\pi^*},
+        \hat P^{\hat\pi}) \le 1 - e^{-\mathcal B_\pi/(2n)}$ with probability $1-\delta$, where $\mathcal B_\pi =
+        \sum_{h,s:N>0}\log\binom{N_h(s)+|A|-1}{|A|-1} + \log(1/\delta)$: the transition error does not enter.""",
     assumptions=("the expert is Markov", "the demonstrations are independent"),
     evidence=(
         exact(
-            r"$\mathrm{KL}(\hat P^{\hat\pi}\|\hat P^\pi) = \frac1n\sum N_h(s)\mathrm{KL}(\hat\pi_h\|\pi_h)$ on generated data",
+            r"""$\mathrm{KL}(\hat P^{\hat\pi}\|\hat P^\pi) = \frac1n\sum N_h(s)\mathrm{KL}(\hat\pi_h\|\pi_h)$ on
+                generated data""",
             kl_budget.policy_divergence,
             mutant("without 1/n", share=Fraction(2)),
         ),
@@ -195,16 +197,16 @@ T13 = Repair(
             mutant("a hundredth of the radius", shrink=0.01),
         ),
     ),
-    proof=r"""Under the step-wise estimate the expected visits are $N_h(s)/n$ exactly, so the chain rule gives the divergence; T10
-        for the action counts bounds it; T3.""",
+    proof=r"""Under the step-wise estimate the expected visits are $N_h(s)/n$ exactly, so the chain rule gives the
+        divergence; T10 for the action counts bounds it; T3.""",
     formulas=("policy_kl_budget", "offline_radius_stochastic"),
 )
 
 T14 = Repair(
     name="T14",
     title="counting and listing the set",
-    statement=r"""$F(D) = \hat P^{\hat\pi}(\text{meet }D)$ is monotone and submodular, and
-        $|\{\pi : H^2 \le r^2\}| = \sum_{D : F(D) \le r^2}(|A|-1)^{|D|}$: $2^{|S|}$ evaluations instead of $|A|^{|S|}$.""",
+    statement=r"""$F(D) = \hat P^{\hat\pi}(\text{meet }D)$ is monotone and submodular, and $|\{\pi : H^2 \le r^2\}| =
+        \sum_{D : F(D) \le r^2}(|A|-1)^{|D|}$: $2^{|S|}$ evaluations instead of $|A|^{|S|}$.""",
     evidence=(
         exact(
             "generated balls: enumeration of all policies, the sum, and the count of bridge_algos agree",
@@ -217,6 +219,7 @@ T14 = Repair(
             mutant("the reverse sign", sign=-1),
         ),
     ),
-    proof=r"""A trajectory meets $D \cup E$ if it meets one of them and meets $D \cap E$ only if it meets both. The distance depends
-        on a policy only through the set where it disagrees with the clone, and each such state allows $|A|-1$ other actions.""",
+    proof=r"""A trajectory meets $D \cup E$ if it meets one of them and meets $D \cap E$ only if it meets both. The
+        distance depends on a policy only through the set where it disagrees with the clone, and each such state
+        allows $|A|-1$ other actions.""",
 )

@@ -7,6 +7,7 @@ from fractions import Fraction
 from proofs_checks.claim import Repair
 from proofs_checks.evidence import cited, covered, exact, mutant, proved
 from proofs_checks.offline.checks import confidence_set, coverage, maximum_likelihood, missing_mass, zero_radius
+from proofs_checks.offline.evidence import coq
 
 _DETERMINISTIC = "the expert is deterministic and stationary"
 _INDEPENDENT = "the demonstrations are independent"
@@ -14,13 +15,21 @@ _INDEPENDENT = "the demonstrations are independent"
 T6 = Repair(
     name="T6",
     title="maximum likelihood in Hellinger distance",
-    statement=r"""For a finite class that contains the truth and any tie-break,
-        $\Pr(H^2(\hat g, g^*) > R) \le (|\mathcal G| - 1)(1 - R)^n$, so that with probability $1 - \delta$
-        $H^2 \le 1 - (\delta/(|\mathcal G|-1))^{1/n} \le \log((|\mathcal G|-1)/\delta)/n$. With a logarithmic cover
-        $H^2 \le 2\log(\mathcal N(\varepsilon)/\delta)/n + 2\varepsilon$; if the truth may lie outside the class,
-        $H^2 \le 3\log(2\mathcal N(\varepsilon)/\delta)/n + 2\varepsilon + \log(1 + \chi^2)$.""",
+    statement=r"""For a finite class that contains the truth and any tie-break, $\Pr(H^2(\hat g, g^*) > R) \le
+        (|\mathcal G| - 1)(1 - R)^n$, so that with probability $1 - \delta$ $H^2 \le 1 - (\delta/(|\mathcal
+        G|-1))^{1/n} \le \log((|\mathcal G|-1)/\delta)/n$. With a logarithmic cover $H^2 \le 2\log(\mathcal
+        N(\varepsilon)/\delta)/n + 2\varepsilon$; if the truth may lie outside the class, $H^2 \le 3\log(2\mathcal
+        N(\varepsilon)/\delta)/n + 2\varepsilon + \log(1 + \chi^2)$.""",
     assumptions=(_INDEPENDENT, "the finite form needs at least two elements"),
     evidence=(
+        coq(
+            r"for all finite spaces, truths, classes and $n$: the tail $|\mathcal G|\,b^n$ at overlaps of at most $b$",
+            "maximum_likelihood",
+            "finite_class",
+            "one factor more",
+            "INR (length class) * b ^ n.",
+            "INR (length class) * b ^ (S n).",
+        ),
         exact(
             "the tail at every attained distance, over all samples of generated classes, worst tie-break",
             maximum_likelihood.finite_class,
@@ -42,13 +51,13 @@ T6 = Repair(
             mutant("a twentieth of the bound", shrink=Fraction(1, 20)),
         ),
     ),
-    proof=r"""$\Pr(\prod g(x_i) \ge \prod g^*(x_i)) \le \operatorname{E}\prod\sqrt{g/g^*}(x_i) = (1 - H^2(g, g^*))^n$ by Markov;
-        a union over the other elements gives the finite form.
+    proof=r"""$\Pr(\prod g(x_i) \ge \prod g^*(x_i)) \le \operatorname{E}\prod\sqrt{g/g^*}(x_i) = (1 - H^2(g, g^*))^n$
+        by Markov; a union over the other elements gives the finite form.
 
-        With a cover let $g'$ be the cover element of $\hat g$: $\sum\log(g'/g^*) \ge -n\varepsilon$, while with probability
-        $1-\delta$, for all cover elements at once, $\frac12\sum\log(g'/g^*) \le n\log\mathrm{BC}(g', g^*) +
-        \log(\mathcal N/\delta)$. So $H^2(g', g^*) \le \log(\mathcal N/\delta)/n + \varepsilon/2$; and
-        $H^2(\hat g, g') \le \varepsilon/2$; the triangle inequality and $(a+b)^2 \le 2a^2 + 2b^2$.
+        With a cover let $g'$ be the cover element of $\hat g$: $\sum\log(g'/g^*) \ge -n\varepsilon$, while with
+        probability $1-\delta$, for all cover elements at once, $\frac12\sum\log(g'/g^*) \le n\log\mathrm{BC}(g', g^*)
+        + \log(\mathcal N/\delta)$. So $H^2(g', g^*) \le \log(\mathcal N/\delta)/n + \varepsilon/2$; and $H^2(\hat g,
+        g') \le \varepsilon/2$; the triangle inequality and $(a+b)^2 \le 2a^2 + 2b^2$.
 
         Outside the class, Markov gives $\sum\log(\hat g/g^*) \ge -n\log(1+\chi^2) - \log(2/\delta)$ instead of 0.""",
     formulas=("mle_finite_repaired", "mle_finite_sharp", "mle_covering_repaired", "mle_misspecified_repaired"),
@@ -57,11 +66,11 @@ T6 = Repair(
 T7 = Repair(
     name="T7",
     title="policy error as missing mass",
-    statement=r"""For a deterministic expert the error of the clone is the probability $M$ that a fresh expert trajectory meets a
-        state without data, at most: $\operatorname{E}M \le |S|\,n^n/(n+1)^{n+1} \le |S|/(en)$;
-        $M \le 1 - (\delta/(2^{|S|}-1))^{1/n} \le (|S|\log2 + \log(1/\delta))/n$ with probability $1-\delta$; with $k$ states
-        unseen $M \le 1 - (\delta/(|S|\binom{|S|}{k}))^{1/n}$; and $M = 0$ with probability at least
-        $1 - |S|(1-\gamma_{\min})^n$. The number of actions does not enter.""",
+    statement=r"""For a deterministic expert the error of the clone is the probability $M$ that a fresh expert
+        trajectory meets a state without data, at most: $\operatorname{E}M \le |S|\,n^n/(n+1)^{n+1} \le |S|/(en)$; $M
+        \le 1 - (\delta/(2^{|S|}-1))^{1/n} \le (|S|\log2 + \log(1/\delta))/n$ with probability $1-\delta$; with $k$
+        states unseen $M \le 1 - (\delta/(|S|\binom{|S|}{k}))^{1/n}$; and $M = 0$ with probability at least $1 -
+        |S|(1-\gamma_{\min})^n$. The number of actions does not enter.""",
     assumptions=(_DETERMINISTIC, _INDEPENDENT),
     evidence=(
         exact(
@@ -116,22 +125,23 @@ T7 = Repair(
         ),
         cited("McAllester and Schapire 2000: the constant of the Good-Turing deviation, from memory"),
     ),
-    proof=r"""Two deterministic policies under one kernel give equal laws on trajectories that avoid the disagreement and
-        mutually singular ones on the rest; and the clone agrees with the expert wherever an action was recorded.
+    proof=r"""Two deterministic policies under one kernel give equal laws on trajectories that avoid the disagreement
+        and mutually singular ones on the rest; and the clone agrees with the expert wherever an action was recorded.
 
-        Expectation: a union over states of (visited by the fresh trajectory, by none of the $n$), $\max_q q(1-q)^n$. Tail:
-        a fixed set of probability $m$ is unvisited with probability $(1-m)^n$; a union over the nonempty subsets.
-        With $k$ observed, give each size of the set an equal share of $\delta$.""",
+        Expectation: a union over states of (visited by the fresh trajectory, by none of the $n$), $\max_q q(1-q)^n$.
+        Tail: a fixed set of probability $m$ is unvisited with probability $(1-m)^n$; a union over the nonempty
+        subsets. With $k$ observed, give each size of the set an equal share of $\delta$.""",
     formulas=("missing_mass_expected", "missing_mass_observed", "policy_error_repaired", "policy_error_sharp"),
 )
 
 T8 = Repair(
     name="T8",
     title="radius zero",
-    statement=r"""If the estimated kernel never leaves the states with a recorded action (counts of the transitions inside the
-        trajectories, empirical first state, self-loops without data), then $H(\hat P^{\pi^*}, \hat P^{\hat\pi}) = 0$ surely,
-        and the ball of radius 0 is the set of policies that agree with every demonstration. For any estimate
-        $H^2(\hat P^{\pi^*}, \hat P^{\hat\pi}) \le \hat P^{\hat\pi}(\text{meet a state without data})$ surely.""",
+    statement=r"""If the estimated kernel never leaves the states with a recorded action (counts of the transitions
+        inside the trajectories, empirical first state, self-loops without data), then $H(\hat P^{\pi^*}, \hat
+        P^{\hat\pi}) = 0$ surely, and the ball of radius 0 is the set of policies that agree with every demonstration.
+        For any estimate $H^2(\hat P^{\pi^*}, \hat P^{\hat\pi}) \le \hat P^{\hat\pi}(\text{meet a state without
+        data})$ surely.""",
     assumptions=(_DETERMINISTIC, "the clone maximises the likelihood over deterministic stationary policies"),
     evidence=(
         exact(
@@ -146,20 +156,29 @@ T8 = Repair(
         ),
         exact("the formula is 0", zero_radius.closed_formula, mutant("1 instead of 0", claimed=Fraction(1))),
     ),
-    proof=r"""The clone equals the expert wherever an action was recorded, and under a closed estimate the chain never leaves
-        those states. With an empirical first state every recorded state is reached along its own recorded path, so a
-        policy that contradicts the data has positive distance. In general the distance is the estimated probability of
-        meeting a disagreement, and disagreements lie outside the data.""",
+    proof=r"""The clone equals the expert wherever an action was recorded, and under a closed estimate the chain never
+        leaves those states. With an empirical first state every recorded state is reached along its own recorded
+        path, so a policy that contradicts the data has positive distance. In general the distance is the estimated
+        probability of meeting a disagreement, and disagreements lie outside the data.""",
     formulas=("offline_radius_closed", "offline_radius_mass"),
 )
 
 T9 = Repair(
     name="T9",
     title="radius from the two errors alone",
-    statement=r"""With $R_1 = H^2(P_*^{\hat\pi}, P_*^{\pi^*})$ and $R_2 = H^2(\hat P^{\pi^*}, P_*^{\pi^*})$, for all policies (stochastic,
-        history-dependent) and kernels: $H(\hat P^{\pi^*}, \hat P^{\hat\pi}) \le \sqrt{R_1} + 2\sqrt{R_2}$. For deterministic
-        policies $\sqrt{R_1} + \sqrt{2R_2}$, or $\sin\min(\pi/2, \arcsin\sqrt{R_1} + \arccos(1 - R_2))$.""",
+    statement=r"""With $R_1 = H^2(P_*^{\hat\pi}, P_*^{\pi^*})$ and $R_2 = H^2(\hat P^{\pi^*}, P_*^{\pi^*})$, for all
+        policies (stochastic, history-dependent) and kernels: $H(\hat P^{\pi^*}, \hat P^{\hat\pi}) \le \sqrt{R_1} +
+        2\sqrt{R_2}$. For deterministic policies $\sqrt{R_1} + \sqrt{2R_2}$, or $\sin\min(\pi/2, \arcsin\sqrt{R_1} +
+        \arccos(1 - R_2))$.""",
     evidence=(
+        coq(
+            r"$\sqrt{R_1} + 2\sqrt{R_2}$ for all finite trajectory spaces, kernels and policies",
+            "confidence_set",
+            "confidence_set",
+            "factor 1 instead of 2",
+            "sqrt K <= sqrt R1 + 2 * sqrt R2.",
+            "sqrt K <= sqrt R1 + 1 * sqrt R2.",
+        ),
         proved(
             "the two algebraic steps of the proof (Z3)",
             confidence_set.product_inequality,
@@ -191,13 +210,13 @@ T9 = Repair(
             mutant("the reverse", sign=-1),
         ),
     ),
-    proof=r"""On the support of the expert let $g(\tau) = \prod_t\sqrt{\hat\pi/\pi^*}(a_t|s_t)$, $\mu = P_*^{\pi^*}$ and
-        $\nu = \hat P^{\pi^*}$. Then $R_1 = 1 - \operatorname{E}_\mu g$, $K := H^2(\hat P^{\pi^*}, \hat P^{\hat\pi}) =
-        1 - \operatorname{E}_\nu g$ and both second moments of $g$ are at most 1. By Cauchy-Schwarz
-        $$K - R_1 = \sum(1-g)(\sqrt\nu - \sqrt\mu)(\sqrt\nu + \sqrt\mu) \le
-        \sqrt{2R_2}\,\bigl(\lVert(1-g)\sqrt\nu\rVert + \lVert(1-g)\sqrt\mu\rVert\bigr),$$
-        and $\lVert(1-g)\sqrt m\rVert^2 = 1 - 2\operatorname{E}g + \operatorname{E}g^2 \le 2(1 - \operatorname{E}_m g)$. So
-        $K - R_1 \le 2\sqrt{R_2}(\sqrt K + \sqrt{R_1})$; divide. Deterministic policies have $g \in \{0, 1\}$ and the square is
-        $1 - \operatorname{E}g$. The angle form is data processing to the event that the policies disagree.""",
+    proof=r"""On the support of the expert let $g(\tau) = \prod_t\sqrt{\hat\pi/\pi^*}(a_t|s_t)$, $\mu = P_*^{\pi^*}$
+        and $\nu = \hat P^{\pi^*}$. Then $R_1 = 1 - \operatorname{E}_\mu g$, $K := H^2(\hat P^{\pi^*}, \hat
+        P^{\hat\pi}) = 1 - \operatorname{E}_\nu g$ and both second moments of $g$ are at most 1. By Cauchy-Schwarz $$K
+        - R_1 = \sum(1-g)(\sqrt\nu - \sqrt\mu)(\sqrt\nu + \sqrt\mu) \le \sqrt{2R_2}\,\bigl(\lVert(1-g)\sqrt\nu\rVert +
+        \lVert(1-g)\sqrt\mu\rVert\bigr),$$ and $\lVert(1-g)\sqrt m\rVert^2 = 1 - 2\operatorname{E}g +
+        \operatorname{E}g^2 \le 2(1 - \operatorname{E}_m g)$. So $K - R_1 \le 2\sqrt{R_2}(\sqrt K + \sqrt{R_1})$;
+        divide. Deterministic policies have $g \in \{0, 1\}$ and the square is $1 - \operatorname{E}g$. The angle form
+        is data processing to the event that the policies disagree.""",
     formulas=("confidence_set_radius_repaired", "confidence_set_radius_deterministic", "confidence_set_radius_angle"),
 )

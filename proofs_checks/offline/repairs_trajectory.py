@@ -8,6 +8,7 @@ from bridge_theory import concentrability_deterministic, concentrability_stated
 from proofs_checks.claim import Repair
 from proofs_checks.evidence import exact, mutant, proved
 from proofs_checks.offline.checks import concentrability, distances, kl_budget, subadditivity, trajectory_error
+from proofs_checks.offline.evidence import coq
 
 _COMMON = ("both laws share the policy and the law of the first state",)
 
@@ -22,20 +23,35 @@ TV = Repair(
             mutant("ceiling 1 instead of 2, the paper's inequality", ceiling=1),
             mutant("twice the floor", floor=2),
         ),
+        coq(
+            "the upper bound for all finite laws",
+            "total_variation",
+            "total_variation_by_hellinger",
+            "1 instead of 2, the paper's inequality",
+            "squared_hellinger * (2 - squared_hellinger).",
+            "squared_hellinger * (1 - squared_hellinger).",
+        ),
+        coq(
+            "the lower bound for all finite laws",
+            "total_variation",
+            "hellinger_below_total_variation",
+            "half of the total variation",
+            "squared_hellinger <= total_variation.",
+            "squared_hellinger <= / 2 * total_variation.",
+        ),
     ),
     proof=r"""$\operatorname{TV} = \frac12\sum|\sqrt p - \sqrt q|(\sqrt p + \sqrt q)$, and by Cauchy-Schwarz
-        $\operatorname{TV}^2 \le \frac14\sum(\sqrt p - \sqrt q)^2\sum(\sqrt p + \sqrt q)^2 = \frac14 (2H^2)(4 - 2H^2)$.
-        For the other side, $\sum\sqrt{pq} \ge \sum\min(p, q) = 1 - \operatorname{TV}$. Two reversed coins attain the
-        upper bound.""",
+        $\operatorname{TV}^2 \le \frac14\sum(\sqrt p - \sqrt q)^2\sum(\sqrt p + \sqrt q)^2 = \frac14 (2H^2)(4 -
+        2H^2)$. For the other side, $\sum\sqrt{pq} \ge \sum\min(p, q) = 1 - \operatorname{TV}$. Two reversed coins
+        attain the upper bound.""",
 )
 
 T1 = Repair(
     name="T1",
     title="trajectory error as a sum of row errors",
-    statement=r"""Let $g_t(s,a)$ be the sum of $\sqrt{\hat P P_*}$ over all prefixes that end in $(s_t, a_t) = (s, a)$,
-        and $h(s,a) = H^2(\hat P(\cdot|s,a), P_*(\cdot|s,a))$. Then
-        $$H^2(\hat P^\pi, P_*^\pi) = \sum_t\sum_{s,a} g_t(s,a)\,h(s,a) \le
-        \frac12\sum_t\bigl(\operatorname{E}_{\hat d_t}[h] + \operatorname{E}_{d_t}[h]\bigr).$$""",
+    statement=r"""Let $g_t(s,a)$ be the sum of $\sqrt{\hat P P_*}$ over all prefixes that end in $(s_t, a_t) = (s,
+        a)$, and $h(s,a) = H^2(\hat P(\cdot|s,a), P_*(\cdot|s,a))$. Then $$H^2(\hat P^\pi, P_*^\pi) = \sum_t\sum_{s,a}
+        g_t(s,a)\,h(s,a) \le \frac12\sum_t\bigl(\operatorname{E}_{\hat d_t}[h] + \operatorname{E}_{d_t}[h]\bigr).$$""",
     assumptions=_COMMON,
     evidence=(
         exact(
@@ -50,17 +66,17 @@ T1 = Repair(
         ),
     ),
     proof=r"""Let $b_t$ be the total of $g_t$. Extending a prefix by one transition multiplies its weight by
-        $\sqrt{\hat P P_*}$, whose sum over the next state is $1 - h$; so $b_{t+1} = b_t - \sum g_t h$. The sum telescopes
-        from $b_1 = 1$ to the Bhattacharyya coefficient. Cauchy-Schwarz over prefixes gives
-        $g_t \le \sqrt{\hat d_t d_t} \le (\hat d_t + d_t)/2$.""",
+        $\sqrt{\hat P P_*}$, whose sum over the next state is $1 - h$; so $b_{t+1} = b_t - \sum g_t h$. The sum
+        telescopes from $b_1 = 1$ to the Bhattacharyya coefficient. Cauchy-Schwarz over prefixes gives $g_t \le
+        \sqrt{\hat d_t d_t} \le (\hat d_t + d_t)/2$.""",
     formulas=("trajectory_error_symmetrised",),
 )
 
 T2 = Repair(
     name="T2",
     title="trajectory error from one occupancy",
-    statement=r"""$H^2(\hat P^\pi, P_*^\pi) \le 3\sum_t\operatorname{E}_{d_t}[h_t]$ with the occupancies under either of the two
-        kernels. The best constant lies between 2 and 3.""",
+    statement=r"""$H^2(\hat P^\pi, P_*^\pi) \le 3\sum_t\operatorname{E}_{d_t}[h_t]$ with the occupancies under either
+        of the two kernels. The best constant lies between 2 and 3.""",
     assumptions=_COMMON,
     evidence=(
         proved(
@@ -91,28 +107,29 @@ T2 = Repair(
             mutant("constant 17/10", constant=Fraction(17, 10)),
         ),
     ),
-    proof=r"""Let $V_T(w)$ be the largest value of $-(w\,\mathrm{BC} + \Sigma)$ over pairs of $T$-step laws, $\Sigma$ the
-        sum. $V_0(w) = -w$, and with $t = \sqrt{q/p}$ of the first step
-        $V_{T+1}(w) \le -1 + \max\{\operatorname{E}_p[t + V_T(wt)] : \operatorname{E}_p t^2 \le 1\}$.
+    proof=r"""Let $V_T(w)$ be the largest value of $-(w\,\mathrm{BC} + \Sigma)$ over pairs of $T$-step laws, $\Sigma$
+        the sum. $V_0(w) = -w$, and with $t = \sqrt{q/p}$ of the first step $V_{T+1}(w) \le -1 +
+        \max\{\operatorname{E}_p[t + V_T(wt)] : \operatorname{E}_p t^2 \le 1\}$.
 
-        Suppose that $V \ge -w$, $wV' \ge -1$ and, for all $w > 0$ and $r \ge 0$,
-        $$V(wr) \le V(w) + \frac{wV'(w)}{2}(r^2 - 1) + \frac{(r - 1)^2}{2}.$$
-        Then $\operatorname{E}[t + V(wt)] \le V(w) + \frac12 + (p + \frac12)\operatorname{E}t^2 - p \le V(w) + 1$ with
-        $p = wV'(w)/2$, so that $V_T \le V$ for all $T$ by induction. If also $V(1/c) = -1/c$, then
-        $\mathrm{BC}/c + \Sigma \ge 1/c$, that is, $H^2 \le c\,\Sigma$.
+        Suppose that $V \ge -w$, $wV' \ge -1$ and, for all $w > 0$ and $r \ge 0$, $$V(wr) \le V(w) +
+        \frac{wV'(w)}{2}(r^2 - 1) + \frac{(r - 1)^2}{2}.$$ Then $\operatorname{E}[t + V(wt)] \le V(w) + \frac12 + (p +
+        \frac12)\operatorname{E}t^2 - p \le V(w) + 1$ with $p = wV'(w)/2$, so that $V_T \le V$ for all $T$ by
+        induction. If also $V(1/c) = -1/c$, then $\mathrm{BC}/c + \Sigma \ge 1/c$, that is, $H^2 \le c\,\Sigma$.
 
-        For $c = 3$ take $V = -w$ up to $1/3$, $-\frac12 + \frac{17}{50}v^3 + \frac{33}{160}v^4 + \frac{4131}{6400}v^8$
-        with $v = 1 - w$ up to 1, and $-\frac12$ beyond; for $c = 4$ the middle piece is
-        $-\frac12 + \frac{16}{27}v^3$ from $1/4$ on. The displayed inequality is then polynomial on each pair of pieces.""",
+        For $c = 3$ take $V = -w$ up to $1/3$, $-\frac12 + \frac{17}{50}v^3 + \frac{33}{160}v^4 +
+        \frac{4131}{6400}v^8$ with $v = 1 - w$ up to 1, and $-\frac12$ beyond; for $c = 4$ the middle piece is
+        $-\frac12 + \frac{16}{27}v^3$ from $1/4$ on. The displayed inequality is then polynomial on each pair of
+        pieces.""",
     formulas=("trajectory_error_one_sided",),
 )
 
 T3 = Repair(
     name="T3",
     title="trajectory error from KL divergences",
-    statement=r"""$\mathrm{KL}(\hat P^\pi\|P_*^\pi) = \sum_t\operatorname{E}_{\hat d_t}[\mathrm{KL}(\hat P\|P_*)(s_t,a_t)]$ and
-        $H^2 \le 1 - \exp(-\mathrm{KL}/2)$. If the estimate uses pairs without data with probability $p < 1$ and $K$ is the
-        expected sum before that, then $H^2 \le 1 - (1-p)\exp\bigl(-\frac{K + p\log(1/p)}{2(1-p)}\bigr)$.""",
+    statement=r"""$\mathrm{KL}(\hat P^\pi\|P_*^\pi) = \sum_t\operatorname{E}_{\hat d_t}[\mathrm{KL}(\hat
+        P\|P_*)(s_t,a_t)]$ and $H^2 \le 1 - \exp(-\mathrm{KL}/2)$. If the estimate uses pairs without data with
+        probability $p < 1$ and $K$ is the expected sum before that, then $H^2 \le 1 - (1-p)\exp\bigl(-\frac{K +
+        p\log(1/p)}{2(1-p)}\bigr)$.""",
     assumptions=_COMMON,
     evidence=(
         exact(
@@ -132,17 +149,18 @@ T3 = Repair(
         ),
     ),
     proof=r"""The chain rule of the logarithm. $\mathrm{BC} = \operatorname{E}_{\hat P}\sqrt{P_*/\hat P} \ge
-        \exp(-\mathrm{KL}/2)$ by Jensen. With exits restrict the expectation to trajectories without one, apply Jensen there,
-        and bound the part of the KL divergence that lies on the others by the log-sum inequality:
-        it is at least $p\log p$.""",
+        \exp(-\mathrm{KL}/2)$ by Jensen. With exits restrict the expectation to trajectories without one, apply Jensen
+        there, and bound the part of the KL divergence that lies on the others by the log-sum inequality: it is at
+        least $p\log p$.""",
     formulas=("hellinger_from_kl", "hellinger_from_kl_with_exits"),
 )
 
 T4 = Repair(
     name="T4",
     title="row errors from the trajectory error",
-    statement=r"""With $u = H^2(\hat P^{\pi^*}, P_*^{\pi^*})$ and $T$ transitions: $\operatorname{E}_{d_t^*}[h_t] \le u(2 - u)$ at
-        every step and $\sum_t\operatorname{E}_{d_t^*}[h_t] \le u(1 + (T-1)(2 - u))$; both are attained for every $u$.""",
+    statement=r"""With $u = H^2(\hat P^{\pi^*}, P_*^{\pi^*})$ and $T$ transitions: $\operatorname{E}_{d_t^*}[h_t] \le
+        u(2 - u)$ at every step and $\sum_t\operatorname{E}_{d_t^*}[h_t] \le u(1 + (T-1)(2 - u))$; both are attained
+        for every $u$.""",
     assumptions=_COMMON,
     evidence=(
         exact(
@@ -157,19 +175,19 @@ T4 = Repair(
         ),
     ),
     proof=r"""For a pair $(X, Y)$: $\mathrm{BC} = \sum\sqrt{pq}\,(1 - h_x) \le \sqrt{\operatorname{E}_p(1-h)^2} \le
-        \sqrt{1 - \operatorname{E}_p h}$, since $(1-h)^2 \le 1 - h$. So $\operatorname{E}_p h \le 1 - (1 - H^2)^2 = u(2-u)$;
-        data processing to (prefix, next state) gives the step bound. At the first step the law of the prefix is common,
-        so $\operatorname{E}h_1 \le u$.""",
+        \sqrt{1 - \operatorname{E}_p h}$, since $(1-h)^2 \le 1 - h$. So $\operatorname{E}_p h \le 1 - (1 - H^2)^2 =
+        u(2-u)$; data processing to (prefix, next state) gives the step bound. At the first step the law of the prefix
+        is common, so $\operatorname{E}h_1 \le u$.""",
     formulas=("row_error_at_step", "row_error_summed"),
 )
 
 T5 = Repair(
     name="T5",
     title="sharp concentrability",
-    statement=r"""If $H^2(P_*^\pi, P_*^{\pi^*}) \le R \le 1$ and $d^* \ge \gamma$ wherever it is positive, then
-        $d/d^* \le \bigl(1 - R + \sqrt{R(2-R)(1-\gamma)/\gamma}\bigr)^2$ for $\gamma \le (1-R)^2$, and $d/d^* \le 1/\gamma$
-        beyond. It is attained for $\gamma \le 1/2$, and is at most $1 + \sqrt{2R}/\gamma \le 1 + 2\sqrt R/\gamma$. For
-        deterministic policies $d/d^* \le 1 + R/\gamma$.""",
+    statement=r"""If $H^2(P_*^\pi, P_*^{\pi^*}) \le R \le 1$ and $d^* \ge \gamma$ wherever it is positive, then $d/d^*
+        \le \bigl(1 - R + \sqrt{R(2-R)(1-\gamma)/\gamma}\bigr)^2$ for $\gamma \le (1-R)^2$, and $d/d^* \le 1/\gamma$
+        beyond. It is attained for $\gamma \le 1/2$, and is at most $1 + \sqrt{2R}/\gamma \le 1 + 2\sqrt R/\gamma$.
+        For deterministic policies $d/d^* \le 1 + R/\gamma$.""",
     evidence=(
         proved(
             "the two-point inequality behind it, without angles (Z3)",
@@ -203,10 +221,10 @@ T5 = Repair(
             mutant("distance 1/5 instead of 1/4", moved=Fraction(1, 5)),
         ),
     ),
-    proof=r"""Data processing to the event that the pair occurs at the step:
-        $\sqrt{dd^*} + \sqrt{(1-d)(1-d^*)} \ge 1 - R$, so the angles with $\sin^2\theta = d$ differ by at most
-        $\omega = \arccos(1-R)$. Hence $d/d^* \le (\cos\omega + \cot\theta^*\sin\omega)^2$, which falls with $\theta^*$; where
-        $\theta^* + \omega$ exceeds a right angle use $d \le 1$.
+    proof=r"""Data processing to the event that the pair occurs at the step: $\sqrt{dd^*} + \sqrt{(1-d)(1-d^*)} \ge 1
+        - R$, so the angles with $\sin^2\theta = d$ differ by at most $\omega = \arccos(1-R)$. Hence $d/d^* \le
+        (\cos\omega + \cot\theta^*\sin\omega)^2$, which falls with $\theta^*$; where $\theta^* + \omega$ exceeds a
+        right angle use $d \le 1$.
 
         Deterministic policies have equal laws until they first disagree, so that $|d - d^*| \le R$.""",
     formulas=("concentrability_sharp", "concentrability_deterministic"),

@@ -33,14 +33,15 @@ CLAIMS = (
         name="offline confidence set",
         topic="offline",
         verdict="true, proof wrong",
-        statement=r"""With $\alpha = \sqrt{4|S|\log(2|A|/\delta)}$ and $\beta = \sqrt{4|S|^2|A|\log(2nH/\delta)}$ the set
-            $\{\pi : H(\hat P^\pi, \hat P^{\hat\pi}) \le \mathrm{Radius}\}$,
-            $$\mathrm{Radius} = \frac{\alpha}{\sqrt n} + \frac{\beta}{\sqrt n}\Bigl(1 + \sqrt{H\bigl(1 +
-            \tfrac{2\alpha}{\gamma_{\min}\sqrt n}\bigr)}\Bigr),$$ contains $\pi^*$ with probability at least $1-\delta$.""",
-        because=r"""T6, T7 and T11 bound the two errors by less than the theorem does, and T9 combines them into less. The
-            paper's own proof fails in four places: total variation, the product formula, the support gap, the last step.
-            At $(|S|, |A|, H, \delta) = (5, 4, 8, 0.05)$ the radius is below 1 only from 150158 demonstrations on
-            ($\gamma_{\min} = 0.1$), while radius 0 is valid at every sample size (T8).""",
+        statement=r"""With $\alpha = \sqrt{4|S|\log(2|A|/\delta)}$ and $\beta = \sqrt{4|S|^2|A|\log(2nH/\delta)}$ the
+            set $\{\pi : H(\hat P^\pi, \hat P^{\hat\pi}) \le \mathrm{Radius}\}$, $$\mathrm{Radius} =
+            \frac{\alpha}{\sqrt n} + \frac{\beta}{\sqrt n}\Bigl(1 + \sqrt{H\bigl(1 +
+            \tfrac{2\alpha}{\gamma_{\min}\sqrt n}\bigr)}\Bigr),$$ contains $\pi^*$ with probability at least
+            $1-\delta$.""",
+        because=r"""T6, T7 and T11 bound the two errors by less than the theorem does, and T9 combines them into less.
+            The paper's own proof fails in four places: total variation, the product formula, the support gap, the
+            last step. At $(|S|, |A|, H, \delta) = (5, 4, 8, 0.05)$ the radius is below 1 only from 150158
+            demonstrations on ($\gamma_{\min} = 0.1$), while radius 0 is valid at every sample size (T8).""",
         assumptions=(_DETERMINISTIC, "the law of the first state is common"),
         evidence=(
             *RADIUS,
@@ -71,9 +72,9 @@ CLAIMS = (
             ),
         ),
         repairs=(T8, T9, T10, T13, T14),
-        proof=r"""With probability $1-\delta/2$ each, $R_1 \le (|S|\log2 + \log(2/\delta))/n$ (T7) and $R_2$ is below the
-            theorem's bound (T6 with T11). By T9 the distance is at most $\sqrt{R_1} + \sqrt{2R_2}$, and
-            $1 + \sqrt{H(1 + 2\sqrt{R_1}/\gamma_{\min})} \ge 2 \ge \sqrt2$.""",
+        proof=r"""With probability $1-\delta/2$ each, $R_1 \le (|S|\log2 + \log(2/\delta))/n$ (T7) and $R_2$ is below
+            the theorem's bound (T6 with T11). By T9 the distance is at most $\sqrt{R_1} + \sqrt{2R_2}$, and $1 +
+            \sqrt{H(1 + 2\sqrt{R_1}/\gamma_{\min})} \ge 2 \ge \sqrt2$.""",
     ),
     Claim(
         label="thm:tabular_confidence_set",
@@ -106,8 +107,8 @@ CLAIMS = (
         topic="offline",
         verdict="definition",
         statement=r"$\hat\pi = \arg\max_{\pi\in\Pi}\sum_i\sum_h\log\pi_h(a_h^i|s_h^i)$.",
-        because=r"""A definition. Over deterministic policies the maximisers are all policies that agree with the data: the
-            likelihood is 1 or 0, with ties wherever no action was recorded.""",
+        because=r"""A definition. Over deterministic policies the maximisers are all policies that agree with the
+            data: the likelihood is 1 or 0, with ties wherever no action was recorded.""",
     ),
     Claim(
         label="eq:MLE_transition_estimator",
@@ -115,8 +116,8 @@ CLAIMS = (
         topic="offline",
         verdict="undefined",
         statement=r"$\hat P = \arg\max_P\sum_i\sum_{h\in[H]}\log P(s_{h+1}^i|s_h^i, a_h^i)$.",
-        because=r"""At $h = H$ the sum uses $s_{H+1}$, which is not part of a trajectory, and rows without data are free. The
-            choice matters: with it the expert may leave the ball of radius 0.""",
+        because=r"""At $h = H$ the sum uses $s_{H+1}$, which is not part of a trajectory, and rows without data are
+            free. The choice matters: with it the expert may leave the ball of radius 0.""",
         evidence=(refuted("offline-last-arrival"),),
         repairs=(T8,),
         proof="Sum over $h = 1, \\ldots, H - 1$ and let rows without data stay where they are: then T8 applies.",
@@ -135,8 +136,9 @@ CLAIMS = (
         topic="offline",
         verdict="definition",
         statement=r"$d_t^*(s,a) \ge \gamma_{\min} > 0$ wherever it is positive.",
-        because=r"""An assumption that some $\gamma_{\min}$ always satisfies in a finite problem, so that only its value matters.
-            It already implies exact recovery of the expert: $n \ge \log(|S|/\delta)/\gamma_{\min}$ demonstrations (T7).""",
+        because=r"""An assumption that some $\gamma_{\min}$ always satisfies in a finite problem, so that only its
+            value matters. It already implies exact recovery of the expert: $n \ge \log(|S|/\delta)/\gamma_{\min}$
+            demonstrations (T7).""",
         repairs=(T7,),
     ),
     Claim(
@@ -154,7 +156,8 @@ CLAIMS = (
         name="concentrability bound",
         topic="offline",
         verdict="true, proof wrong",
-        statement=r"If $H^2(P_*^{\hat\pi}, P_*^{\pi^*}) \le R$ then $C(\hat\pi, \pi^*) \le 1 + 2\sqrt R/\gamma_{\min}$.",
+        statement=r"""If $H^2(P_*^{\hat\pi}, P_*^{\pi^*}) \le R$ then $C(\hat\pi, \pi^*) \le 1 + 2\sqrt
+            R/\gamma_{\min}$.""",
         because="Implied by the sharp bound T5; in the paper's proof two errors cancel, see the appendix lemma.",
         evidence=(*STATED_CONCENTRABILITY, text("concentrability_stated")),
         repairs=(T5,),
@@ -164,10 +167,11 @@ CLAIMS = (
         name="set from two errors",
         topic="offline",
         verdict="true, proof wrong",
-        statement=r"""If $R_1$ and $R_2$ bound the two squared errors with probability $1-\delta/2$ each, then $\pi^*$ lies within
-            $\sqrt{R_1} + \sqrt{R_2}\,(1 + \sqrt{H(1 + 2\sqrt{R_1}/\gamma_{\min})})$ of $\hat\pi$ with probability $1-\delta$.""",
-        because=r"""The factor of $\sqrt{R_2}$ is at least 2, and T9 needs 2, for any policies and without $\gamma_{\min}$. The
-            paper's proof uses the technical lemma, which is false.""",
+        statement=r"""If $R_1$ and $R_2$ bound the two squared errors with probability $1-\delta/2$ each, then $\pi^*$
+            lies within $\sqrt{R_1} + \sqrt{R_2}\,(1 + \sqrt{H(1 + 2\sqrt{R_1}/\gamma_{\min})})$ of $\hat\pi$ with
+            probability $1-\delta$.""",
+        because=r"""The factor of $\sqrt{R_2}$ is at least 2, and T9 needs 2, for any policies and without
+            $\gamma_{\min}$. The paper's proof uses the technical lemma, which is false.""",
         evidence=(*RADIUS, text("confidence_set_radius")),
         repairs=(T9,),
     ),
@@ -176,7 +180,8 @@ CLAIMS = (
         name="features within the set",
         topic="offline",
         verdict="false",
-        statement=r"""$\lVert\phi^{\hat P}(\pi_1) - \phi^{\hat P}(\pi_2)\rVert_2 \le 4\sqrt2B/\sqrt n$ for all policies of the set.""",
+        statement=r"""$\lVert\phi^{\hat P}(\pi_1) - \phi^{\hat P}(\pi_2)\rVert_2 \le 4\sqrt2B/\sqrt n$ for all
+            policies of the set.""",
         because=r"The radius is not $1/\sqrt n$: its constants and logarithm are missing.",
         evidence=(refuted("offline-feature-difference"), text("feature_difference_stated")),
         repairs=(T12, T8),

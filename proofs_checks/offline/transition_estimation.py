@@ -36,8 +36,8 @@ CLAIMS = (
         topic="offline",
         verdict="undefined",
         statement=r"$\hat P = \arg\max_{P\in\mathcal P}\sum_i\sum_{j=0}^H\log P(s_{j+1}^i|s_j^i, a_j^i)$.",
-        because=r"""$s_0, a_0$ and $s_{H+1}$ are not in the data, and rows without data are free; the distances that the paper
-            measures depend on the choice.""",
+        because=r"""$s_0, a_0$ and $s_{H+1}$ are not in the data, and rows without data are free; the distances that
+            the paper measures depend on the choice.""",
         evidence=(refuted("offline-empty-rows"),),
         repairs=(T8,),
     ),
@@ -62,10 +62,10 @@ CLAIMS = (
         name="error of the estimated kernel",
         topic="offline",
         verdict="false",
-        statement=r"""With probability $1-\delta$, $H^2(\hat P^{\pi^*}, P_*^{\pi^*}) \le \inf_\varepsilon\{6\log(2\mathcal
-            N_{trans}(\varepsilon/H)/\delta)/n + \varepsilon\}$.""",
-        because=r"""The lemma that the proof applies has $4\varepsilon$; with $\varepsilon$ alone a class with many ties violates it
-            surely. (The printed cover is of $\Pi$, of $\mathcal P$ is meant.)""",
+        statement=r"""With probability $1-\delta$, $H^2(\hat P^{\pi^*}, P_*^{\pi^*}) \le
+            \inf_\varepsilon\{6\log(2\mathcal N_{trans}(\varepsilon/H)/\delta)/n + \varepsilon\}$.""",
+        because=r"""The lemma that the proof applies has $4\varepsilon$; with $\varepsilon$ alone a class with many
+            ties violates it surely. (The printed cover is of $\Pi$, of $\mathcal P$ is meant.)""",
         evidence=(
             refuted("offline-transition-ties"),
             text("transition_error_covering"),
@@ -82,22 +82,24 @@ CLAIMS = (
         name="covering number of kernels",
         topic="offline",
         verdict="open",
-        statement=r"""$\log\mathcal N_{trans}(\varepsilon) \le |S||A|(|S|-1)\log(1/\varepsilon+1)$, for three states or more.""",
+        statement=r"""$\log\mathcal N_{trans}(\varepsilon) \le |S||A|(|S|-1)\log(1/\varepsilon+1)$, for three states
+            or more.""",
         because=r"""A tiling argument on paper refutes it for every sufficiently small $\varepsilon$, but names no
-            $\varepsilon$: there is no instance to replay, and no machine has checked the argument. The paper's proof is wrong.""",
+            $\varepsilon$: there is no instance to replay, and no machine has checked the argument. The paper's proof
+            is wrong.""",
         evidence=(
             unsettled(
-                """no explicit scale is known at which the lemma fails; a cover that respects it at all scales would tile the
-                plane by translates of a triangle, up to a vanishing fraction"""
+                """no explicit scale is known at which the lemma fails; a cover that respects it at all scales would
+                tile the plane by translates of a triangle, up to a vanishing fraction"""
             ),
             text("transition_log_covering_stated"),
         ),
         repairs=(T11,),
-        proof=r"""Three states. A cover element $q$ covers $\{p : p_i \le e^\varepsilon q_i\}$, an inverted triangle of side
-            $\lambda = e^\varepsilon - 1$. If $\mathcal N \le (1/\varepsilon+1)^2$ then $\mathcal N\lambda^2 \to 1$: after rescaling,
-            growing triangles are covered by unit inverted triangles with a vanishing overlap. A compactness argument gives
-            a tiling of a large disc by translates of one triangle; at a vertex of one of them no translate fits the angle next to
-            it.""",
+        proof=r"""Three states. A cover element $q$ covers $\{p : p_i \le e^\varepsilon q_i\}$, an inverted triangle
+            of side $\lambda = e^\varepsilon - 1$. If $\mathcal N \le (1/\varepsilon+1)^2$ then $\mathcal N\lambda^2
+            \to 1$: after rescaling, growing triangles are covered by unit inverted triangles with a vanishing
+            overlap. A compactness argument gives a tiling of a large disc by translates of one triangle; at a vertex
+            of one of them no translate fits the angle next to it.""",
     ),
     Claim(
         label="lem:transition_covering_number_stationary_tabular_stochastic_transitions",
@@ -123,10 +125,10 @@ CLAIMS = (
         name="last coordinate on the grid",
         topic="offline",
         verdict="false",
-        statement=r"""If $p_i/q_i$ is within $e^{\pm\varepsilon/2}$ for all $i < |S|$ and $q$ is on the grid, then the last ratio is at most
-            $e^\varepsilon$.""",
-        because=r"""The condition $S_q \le 2/3$ that the proof derives is reversed where it is used, and cannot be met when the last
-            probability is small.""",
+        statement=r"""If $p_i/q_i$ is within $e^{\pm\varepsilon/2}$ for all $i < |S|$ and $q$ is on the grid, then the
+            last ratio is at most $e^\varepsilon$.""",
+        because=r"""The condition $S_q \le 2/3$ that the proof derives is reversed where it is used, and cannot be met
+            when the last probability is small.""",
         evidence=(refuted("offline-last-coordinate"),),
     ),
     Claim(
@@ -144,9 +146,9 @@ CLAIMS = (
         name="error of the estimated tabular kernel",
         topic="offline",
         verdict="true, proof wrong",
-        statement=r"""$H^2(\hat P^{\pi^*}, P_*^{\pi^*}) \le O(|S|^2|A|\log(nH/\delta)/n)$ with probability $1-\delta$.""",
-        because=r"""T11 proves it with the constant 4 (for $nH \ge 2$ or $\delta \le 1/2$). The paper's proof rests on the two
-            false statements before it and drops $+1$ and $-1$ in the unsafe direction.""",
+        statement=r"$H^2(\hat P^{\pi^*}, P_*^{\pi^*}) \le O(|S|^2|A|\log(nH/\delta)/n)$ with probability $1-\delta$.",
+        because=r"""T11 proves it with the constant 4 (for $nH \ge 2$ or $\delta \le 1/2$). The paper's proof rests on
+            the two false statements before it and drops $+1$ and $-1$ in the unsafe direction.""",
         evidence=(
             *STATED_ERROR,
             exact(

@@ -188,12 +188,14 @@ def infimum_is_attained(*, constant: int = 6) -> Outcome:
     """The paper's infimum over eps equals its value where eps^2 + H eps = 6 D H/n, and no other eps does better."""
     tally = Tally()
     for size, actions, horizon, n in product((2, 4), (1, 3), (1, 7), (50, 5000)):
-        dimension, delta = size * actions * (size - 1), 0.1
+        dimension, confidence = size * actions * (size - 1), log(10)
 
-        def objective(eps: float, d: int = dimension, h: int = horizon, n: int = n) -> float:
-            return constant * (log(2) + d * log(h / eps + 1) + log(1 / delta)) / n + eps
+        def objective(
+            eps: float, d: int = dimension, h: int = horizon, n: int = n, confidence: float = confidence
+        ) -> float:
+            return constant * (log(2) + d * log(h / eps + 1) + confidence) / n + eps
 
-        stated = float(transition_error_infimum.estimate(S=size, A=actions, H=horizon, n=n, delta=delta))
+        stated = float(transition_error_infimum.estimate(S=size, A=actions, H=horizon, n=n, delta=0.1))
         grid = [objective(10.0 ** (k / 200)) for k in range(-1200, 1200)]
         tally.expect(bool(min(grid) >= stated * (1 - 1e-9)), f"a grid point is below the infimum at n = {n}")
         tally.expect(bool(min(grid) <= stated * (1 + 1e-3)), f"the infimum is not approached at n = {n}")

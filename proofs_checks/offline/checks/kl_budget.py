@@ -95,7 +95,7 @@ def chain_rule(*, weight: Fraction = Fraction(1), context: Context = QUICK) -> O
 
 
 def half_is_needed(*, half: Fraction = Fraction(1, 2)) -> Outcome:
-    """1 - exp(-KL/2) is attained by restriction: P = Q given an event of probability q, H^2 = 1 - sqrt q, KL = log(1/q)."""
+    """1 - exp(-KL/2) is attained: P = Q given an event of probability q, H^2 = 1 - sqrt q, KL = log(1/q)."""
     tally = Tally()
     for keep in (Fraction(1, 2), Fraction(3, 5), Fraction(1, 10)):
         q = keep**2
@@ -156,7 +156,7 @@ def _exit_step(history: History, outside: frozenset[tuple[int, int]], steps: int
 
 
 def laplace_mixture(*, states: int = 0, context: Context = QUICK) -> Outcome:
-    """The mixture's mass Q(x) of every count vector satisfies Q(x) C(N + S - 1, S - 1) >= prod (n_i/N)^{n_i}; sum Q = 1."""
+    """The mixture's mass Q(x) of all samples is 1, and Q(x) C(N + S - 1, S - 1) >= prod (n_i/N)^{n_i} for each."""
 
     def holds(counts: tuple[int, ...]) -> bool:
         size, total = len(counts), sum(counts)

@@ -168,7 +168,7 @@ def two_policies(*, share: Fraction = Fraction(1), context: Context = QUICK) -> 
 
 
 def pairs_attain(*, shift: Fraction = Fraction(0)) -> Outcome:
-    """Disjoint disagreements of probability r^2 each give 4 B r^2; three laws on an arc give 2 B sin(2 arccos(1 - r^2))."""
+    """Disjoint disagreements of probability r^2 each give 4 B r^2, laws on an arc 2 B sin(2 arccos(1 - r^2))."""
     tally = Tally()
     for square in (Fraction(1, 10), Fraction(1, 4), Fraction(1, 2)):
         start = (square, square, 1 - 2 * square)

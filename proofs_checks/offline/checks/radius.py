@@ -29,7 +29,7 @@ _BASE = {"S": 5, "A": 4, "H": 8, "delta": Fraction(1, 20)}
 
 
 def first_useful_n(*, one: Fraction = Fraction(1)) -> Outcome:
-    """Smallest n with a radius below 1 at (S, A, H, delta) = (5, 4, 8, 1/20): the stated, corollaries' and proved ones."""
+    """Smallest n with a radius below 1 at (S, A, H, delta) = (5, 4, 8, 1/20): stated, corollaries' and proved."""
     tally = Tally()
     for formula, n, extra in (
         (offline_radius, 150158, {"gamma_min": Fraction(1, 10)}),

@@ -17,12 +17,12 @@ _ROUNDING = 1e-12
 
 # A point where all branches of the formulas below are strict, and one where they go the other way.
 _POINTS: tuple[Mapping[str, Any], ...] = (
-    {"S": 5, "A": 4, "H": 8, "n": 300, "delta": 0.05, "delta1": 0.03, "delta2": 0.02, "gamma_min": 0.1, "B": 1.5, "W": 0.7,
-     "d": 3, "R": 0.02, "R1": 0.01, "R2": 0.03, "C": 1.7, "epsilon": 0.2, "log_covering": 9.0, "chi2": 0.3,
+    {"S": 5, "A": 4, "H": 8, "n": 300, "delta": 0.05, "delta1": 0.03, "delta2": 0.02, "gamma_min": 0.1, "B": 1.5,
+     "W": 0.7, "d": 3, "R": 0.02, "R1": 0.01, "R2": 0.03, "C": 1.7, "epsilon": 0.2, "log_covering": 9.0, "chi2": 0.3,
      "class_size": 33, "rows": 7, "radius": 0.3, "mass": 0.36, "kl": 0.8, "exit_mass": 0.25, "unvisited": 2,
      "singletons": 4, "ratio": 0.4},
-    {"S": 2, "A": 3, "H": 3, "n": 7, "delta": 0.4, "delta1": 0.3, "delta2": 0.45, "gamma_min": 0.9, "B": 0.25, "W": 3.0,
-     "d": 2, "R": 0.6, "R1": 0.7, "R2": 0.8, "C": 0.6, "epsilon": 1.1, "log_covering": 2.0, "chi2": 2.0,
+    {"S": 2, "A": 3, "H": 3, "n": 7, "delta": 0.4, "delta1": 0.3, "delta2": 0.45, "gamma_min": 0.9, "B": 0.25,
+     "W": 3.0, "d": 2, "R": 0.6, "R1": 0.7, "R2": 0.8, "C": 0.6, "epsilon": 1.1, "log_covering": 2.0, "chi2": 2.0,
      "class_size": 5, "rows": 2, "radius": 0.9, "mass": 0.04, "kl": 3.0, "exit_mass": 0.6, "unvisited": 1,
      "singletons": 1, "ratio": 0.1},
 )  # fmt: skip

@@ -37,14 +37,12 @@ def diagram(data: Mapping[str, Any]) -> str:
     edges = _edges(kernels, _action_names(data), len(states))
     layers = _layers([s for s, p in enumerate(initial) if _positive(p)], edges, len(states))
     places = _places(layers)
+    loops = [edge for edge in edges if edge.source == edge.target and edge.labels]
+    room = max((_LINE * len(edge.labels) for edge in loops), default=0)  # above and below, for their texts
     lowest = {layer[-1] for layer in layers if len(layer) > 1}
     resting = {edge.source for edge in edges if edge.source == edge.target and not edge.labels}
     parts = [_arrow(edge, places, edges) for edge in edges if edge.source != edge.target]
-    parts += [
-        _loop(places[edge.source], edge.labels, -1 if edge.source in lowest else 1)
-        for edge in edges
-        if edge.source == edge.target and edge.labels
-    ]
+    parts += [_loop(places[edge.source], edge.labels, -1 if edge.source in lowest else 1) for edge in loops]
     for s, name in enumerate(states):
         parts.append(_state(places[s], plain(name), resting=s in resting))
         if _positive(initial[s]):
@@ -53,7 +51,7 @@ def diagram(data: Mapping[str, Any]) -> str:
     height = max(y for _, y in places.values()) + _MARGIN
     described = f"transition diagram with {len(states)} states, kernels {', '.join(map(plain, kernels))}"
     return (
-        f'<svg class="diagram" viewBox="0 0 {width:g} {height:g}" width="{width:g}" height="{height:g}" role="img" '
+        f'<svg class="diagram" viewBox="0 {-room:g} {width:g} {height + 2 * room:g}" width="{width:g}" role="img" '
         f'aria-label="{escape(described)}"><defs><marker id="head" viewBox="0 0 10 10" refX="9" refY="5" '
         'markerWidth="7" markerHeight="7" orient="auto-start-reverse"><path class="head" d="M0 0 L10 5 L0 10 z"/>'
         f"</marker></defs>{''.join(parts)}</svg>"
@@ -131,8 +129,8 @@ def _arrow(edge: Edge, places: Mapping[int, Point], edges: list[Edge]) -> str:
 def _loop(place: Point, labels: Sequence[str], side: int) -> str:
     x, y = place
     curve = f"M{x - 11:g} {y - side * 19:g} C{x - 30:g} {y - side * 54:g} {x + 30:g} {y - side * 54:g}"
-    beside = _text((x + 24, y - side * 34 - _LINE * (len(labels) - 1) / 2 + 4), labels, "label beside")
-    return f'<path class="edge" d="{curve} {x + 11:g} {y - side * 20:g}"/>{beside}'
+    end = y - 52 - _LINE * (len(labels) - 1) if side > 0 else y + 62
+    return f'<path class="edge" d="{curve} {x + 11:g} {y - side * 20:g}"/>{_text((x, end), labels, "label")}'
 
 
 def _state(place: Point, name: str, *, resting: bool) -> str:

@@ -38,6 +38,8 @@ def entry(item: Standing, reports: Reports) -> str:
     ]
     if any(piece.check for piece in claim.evidence) or claim.repairs:
         parts.append(f"<p class=\"replay\">Replay: <code>bridge-rl check --only '{escape(claim.key)}'</code></p>")
+    if claim.search is not None:
+        parts.append(f"<p class=\"replay\">Attack: <code>bridge-rl check --search '{escape(claim.key)}'</code></p>")
     words = escape(f"{claim.key} {claim.name}".lower())
     return (
         f'<article id="{anchor(claim.key)}" data-verdict="{escape(claim.verdict)}" data-topic="{claim.topic}" '

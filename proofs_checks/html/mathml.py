@@ -21,6 +21,7 @@ _RELATIONS = frozenset("=<>≤≥≠≈∼~⪰⪯≻≺⟺⟹⇒⇔→⟶↦∈�
 _FENCES = frozenset("()[]{}⟨⟩⌈⌉⌊⌋|‖/!")
 _OPENING = frozenset("([{⟨⌈⌊|‖")
 _CLOSING = frozenset(")]}⟩⌉⌋|‖")
+_SIGNS = frozenset("+−±-")
 _PRIMES = frozenset("′″")
 _UNDER_IN_DISPLAYS = frozenset({"max", "min", "sup", "inf", "lim", "argmax", "argmin"})
 _ARGUMENTS = {"mfrac": 2, "msub": 2, "msup": 2, "munder": 2, "mover": 2, "mroot": 2, "msubsup": 3, "munderover": 3}
@@ -70,6 +71,10 @@ def _repair(parent: Element, display: bool) -> None:
         _space(child)
         _repair(child, display)
     for position, child in enumerate(parent):
+        before = parent[position - 1] if position else None
+        after = parent[position + 1] if position + 1 < len(parent) else None
+        if child.tag == "mo" and child.text in _SIGNS and (before is None or _awaits(before)):
+            child.attrib.update(form="prefix", lspace="0", rspace="0")
         name = _named_function(child)
         if name is None:
             continue
@@ -133,6 +138,11 @@ def _named_function(element: Element) -> Element | None:
         inner.attrib.clear()
     is_name = inner.tag == "mo" and inner.text is not None and re.fullmatch("[A-Za-z]+", inner.text)
     return inner if is_name else None
+
+
+def _awaits(element: Element) -> bool:
+    """Something still has to follow this element: it is an operator, a relation, a comma or an opening fence."""
+    return element.tag == "mo" and element.text not in _CLOSING
 
 
 def _opens(element: Element) -> bool:

@@ -12,6 +12,8 @@ from proofs_checks.html.names import plain
 
 _COLUMN, _ROW, _RADIUS, _MARGIN = 200, 96, 22, 62
 _LARGEST = 9
+_SPARE = 22
+"""Room around the states that is only needed where there are loops."""
 _LINE = 15
 
 Point = tuple[float, float]
@@ -38,7 +40,6 @@ def diagram(data: Mapping[str, Any]) -> str:
     layers = _layers([s for s, p in enumerate(initial) if _positive(p)], edges, len(states))
     places = _places(layers)
     loops = [edge for edge in edges if edge.source == edge.target and edge.labels]
-    room = max((_LINE * len(edge.labels) for edge in loops), default=0)  # above and below, for their texts
     lowest = {layer[-1] for layer in layers if len(layer) > 1}
     resting = {edge.source for edge in edges if edge.source == edge.target and not edge.labels}
     parts = [_arrow(edge, places, edges) for edge in edges if edge.source != edge.target]
@@ -48,10 +49,14 @@ def diagram(data: Mapping[str, Any]) -> str:
         if _positive(initial[s]):
             parts.append(_entrance(places[s], "" if str(initial[s]) == "1" else str(initial[s])))
     width = max(x for x, _ in places.values()) + _MARGIN + 30
-    height = max(y for _, y in places.values()) + _MARGIN
+    above, below = (
+        max((_LINE * len(edge.labels) for edge in loops if (edge.source in lowest) == low), default=-_SPARE)
+        for low in (False, True)
+    )
+    height = max(y for _, y in places.values()) + _MARGIN + above + below
     described = f"transition diagram with {len(states)} states, kernels {', '.join(map(plain, kernels))}"
     return (
-        f'<svg class="diagram" viewBox="0 {-room:g} {width:g} {height + 2 * room:g}" width="{width:g}" role="img" '
+        f'<svg class="diagram" viewBox="0 {-above:g} {width:g} {height:g}" width="{width:g}" role="img" '
         f'aria-label="{escape(described)}"><defs><marker id="head" viewBox="0 0 10 10" refX="9" refY="5" '
         'markerWidth="7" markerHeight="7" orient="auto-start-reverse"><path class="head" d="M0 0 L10 5 L0 10 z"/>'
         f"</marker></defs>{''.join(parts)}</svg>"

@@ -128,6 +128,10 @@ class Slopes:
             lambda x, y: _chosen(x, y, x.value > y.value, y.value > x.value, x.value.max(y.value)), _all(values)
         )
 
+    def ceil(self, x: Any) -> Slope:
+        constant = all(slope == 0 for slope in lifted(x).slopes)
+        return Slope(lifted(x).value.ceil(), (flint_balls.ball(0) if constant else flint_balls.everything(),))
+
     def if_at_most(self, x: Any, y: Any, then: Callable[[], Any], otherwise: Callable[[], Any]) -> Slope:
         left, right = lifted(x).value, lifted(y).value
         if left <= right:

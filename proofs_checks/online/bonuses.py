@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from proofs_checks.claim import Claim, Repair
 from proofs_checks.evidence import covered, exact, mutant, proved, refuted
-from proofs_checks.online.checks import bonus
+from proofs_checks.online.checks import bonus, transcription
+from proofs_checks.online.evidence import text
 
 _UNDEFINED = proved(
     r"$\log(6\log N/\delta)$ has no real value at $N = 0$ and $N = 1$, and the package refuses both",
@@ -125,6 +126,25 @@ CLAIMS = (
         verdict="definition",
         statement=r"$\hat P_t(s'|s,a) = (N_{\text{off}}(s'|s,a) + N_t(s'|s,a))/(N_{\text{off}}(s,a) + N_t(s,a))$.",
         because="A definition, with the same conventions.",
+        evidence=(
+            text(
+                "xi",
+                "xi_repaired",
+                "xi_bar",
+                "bonus_radius",
+                "estimated_radius_sum",
+                "empirical_from_true_bonus",
+                "empirical_from_true_bonus_sharp",
+                "reach_size",
+                "coverage_failure",
+                "covered_bonus",
+            ),
+            exact(
+                "the bonuses of a policy are sums over occupancies and counts",
+                transcription.tables,
+                mutant("a thousandth more", factor=1.001),
+            ),
+        ),
     ),
     Claim(
         label="local:empirical_bonus_main",
@@ -207,6 +227,16 @@ CLAIMS = (
         verdict="definition",
         statement=r"$\gamma_t = \sqrt2(4\kappa\beta_t + \alpha_{d,T}) + 2\sqrt{\sum_i\sum_{l<t}\hat B_l(\pi_l^i, 2WB, "
         r"\delta'/(8l^3|\mathcal A|^{|\mathcal S|}))^2} + 1/t$.",
+        evidence=(
+            text(
+                "gamma_unknown",
+                "gamma_unknown_repaired",
+                "online_bonus_delta",
+                "net_scale",
+                "net_delta",
+                "step_bonus_delta",
+            ),
+        ),
         because=r"A definition; $\delta'$ stands for two different numbers on the same page, and R2 needs none of it.",
     ),
     Claim(

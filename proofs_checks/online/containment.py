@@ -5,6 +5,7 @@ from __future__ import annotations
 from proofs_checks.claim import Claim, Repair
 from proofs_checks.evidence import Evidence, covered, mutant, proved, refuted, unsettled
 from proofs_checks.online.checks import containment, environments
+from proofs_checks.online.evidence import text
 
 FAMILIES = ("garnet", "dense garnet", "chain", "starmdp", "gridworld", "frozenlake")
 
@@ -107,6 +108,7 @@ CLAIMS = (
         topic="online",
         verdict="definition",
         statement=r"$\gamma_t = 4\kappa\beta_t(\delta) + \alpha_{d,T}(\delta)$.",
+        evidence=(text("gamma_known", "containment_failure_known", "containment_failure_unknown"),),
         because="A definition; R2 needs only $\\rho_t = \\kappa(\\beta_t + e_t)$.",
         repairs=(R2,),
     ),

@@ -6,6 +6,7 @@ from proofs_checks.claim import Claim, Repair
 from proofs_checks.evidence import covered, exact, mutant, proved, refuted
 from proofs_checks.online.checks import containment, offline_gain, potential
 from proofs_checks.online.containment import R4
+from proofs_checks.online.evidence import text
 from proofs_checks.online.matrices import SUPERMARTINGALE, SUPERMARTINGALE_PROOF
 from proofs_checks.online.offline_gain import R8
 
@@ -184,6 +185,28 @@ CLAIMS = (
         verdict="definition",
         statement=r"$\Gamma = (W\sqrt{\kappa B} + WB)d\log(TB/(\kappa\delta))$.",
         because=r"A definition; it sets $\lambda = B/\kappa$ and drops $\kappa\sqrt{d\log T}$.",
+        evidence=(
+            text(
+                "regret_known_scale",
+                "regret_known_rate",
+                "regret_regime_small_horizon",
+                "regret_regime_transition",
+                "regret_regime_large_horizon",
+                "feature_difference_sum",
+                "regret_known_from_sum",
+                "regret_known_stated",
+                "expected_potential",
+                "regret_known_apriori",
+                "regret_known_log",
+                "regret_known_repaired",
+                "regret_known_version_space",
+                "potential_factor",
+                "elliptical_potential",
+                "elliptical_potential_capped",
+                "elliptical_norm_sum",
+                "elliptical_floor",
+            ),
+        ),
     ),
     Claim(
         label="local:regime_small_horizon",

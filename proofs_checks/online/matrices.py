@@ -5,6 +5,7 @@ from __future__ import annotations
 from proofs_checks.claim import Claim, Repair
 from proofs_checks.evidence import cited, covered, mutant, proved, refuted
 from proofs_checks.online.checks import matrices
+from proofs_checks.online.evidence import text
 
 SUPERMARTINGALE = (
     proved(
@@ -68,6 +69,7 @@ CLAIMS = (
         verdict="definition",
         statement=r"$V_t$ from observed differences, $\overline V_t^{P^*}$ from expected ones, $\overline V_t$ from "
         r"differences expected under $\hat P_l$ in round $l$.",
+        evidence=(text("matrix_shift", "alpha_dT", "norm_relation", "norm_relation_sharp"),),
         because=r"Definitions; the main text prints $\hat P_t$ for $\hat P_l$, for which the determinant recursion "
         r"fails.",
     ),

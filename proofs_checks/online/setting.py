@@ -5,6 +5,7 @@ from __future__ import annotations
 from proofs_checks.claim import Claim, Repair
 from proofs_checks.evidence import mutant, proved, refuted
 from proofs_checks.online.checks import link
+from proofs_checks.online.evidence import directions, text
 
 _CLOSED_FORM = proved(
     r"$1/\sigma'(x) = 2 + 2\cosh x$, and the formulas of the package are its values at $BW$ and $2BW$",
@@ -35,6 +36,7 @@ CLAIMS = (
         verdict="definition",
         statement=r"$\lVert\phi(\tau)\rVert_2 \le B$ for all $\tau$ and $\lVert w^*\rVert_2 \le W$.",
         because="An assumption; every bound on differences follows with $2B$ by the triangle inequality.",
+        evidence=(directions("offline"),),
     ),
     Claim(
         label="local:kappa",
@@ -46,6 +48,7 @@ CLAIMS = (
         because=r"$1/\sigma'(x) = 2 + 2\cosh x$ rises with $|x|$, and $|\langle w, x\rangle| \le BW$ is attained.",
         evidence=(
             _CLOSED_FORM,
+            text("kappa", "kappa_differences"),
             proved(
                 r"$\cosh a - \cosh c = 2\sinh\frac{a+c}2\sinh\frac{a-c}2 > 0$ for $a > c \ge 0$",
                 link.largest_at_the_end,

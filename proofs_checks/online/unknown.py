@@ -5,8 +5,10 @@ from __future__ import annotations
 from proofs_checks.claim import Claim, Repair
 from proofs_checks.evidence import exact, mutant, proved, refuted, unsettled
 from proofs_checks.online.bonuses import R6
-from proofs_checks.online.checks import bonus, containment, offline_gain
+from proofs_checks.online.checks import bonus, companions, containment, offline_gain
+from proofs_checks.online.checks.transcription_regret import REGRET
 from proofs_checks.online.containment import R4, RUNS_UNKNOWN
+from proofs_checks.online.evidence import directions, text
 from proofs_checks.online.known import R3
 from proofs_checks.online.matrices import SUPERMARTINGALE
 from proofs_checks.online.offline_gain import R8, R10
@@ -167,6 +169,15 @@ CLAIMS = (
         statement=r"Term 1 $= \gamma_T$, Term 2 $= \sqrt{T\sum_t\lVert\delta\pi_t\rVert_{\overline V_t^{-1}}}$, Term 3 "
         r"$= \sum_i\sum_t\hat B_t(\pi_t^i, 4WB, \delta)$.",
         because="Names for the parts of the decomposition; the square is missing in Term 2.",
+        evidence=(
+            text(*REGRET),
+            directions("regret"),
+            exact(
+                "trivial values and failure probabilities of the formulas agree with their text",
+                companions.companions,
+                mutant("a thousandth more", factor=1.001),
+            ),
+        ),
         repairs=(R4,),
     ),
     Claim(

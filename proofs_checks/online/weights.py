@@ -5,6 +5,7 @@ from __future__ import annotations
 from proofs_checks.claim import Claim, Repair
 from proofs_checks.evidence import covered, mutant, proved, refuted, unsettled
 from proofs_checks.online.checks import link, weights
+from proofs_checks.online.evidence import directions, text
 
 _MATRIX_STEP = proved(
     r"$\kappa g \ge v > 0$ gives $v/g^2 \le \kappa^2/v$: eigenvalue by eigenvalue, $G^{-1}VG^{-1} \preceq "
@@ -125,7 +126,18 @@ CLAIMS = (
         verdict="definition",
         statement=r"$\beta_t(\delta) = \sqrt\lambda W + \sqrt{\log(1/\delta) + 2d\log(1 + tB^2/(\kappa\lambda d))}$.",
         because="A definition; it is at least 1.41 times what R1 needs.",
-        evidence=(_FOURTH_POWER, _STATED_IS_WIDER),
+        evidence=(
+            _FOURTH_POWER,
+            _STATED_IS_WIDER,
+            directions("online"),
+            text(
+                "beta_t",
+                "confidence_radius",
+                "beta_repaired_logdet",
+                "beta_repaired",
+                "confidence_radius_repaired",
+            ),
+        ),
         repairs=(R1,),
     ),
     Claim(

@@ -8,6 +8,7 @@ sides are equal, is no box: such a claim records the analytic argument that redu
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import Any, TypeAlias
@@ -62,9 +63,9 @@ def _search(
     most: int,
     weakly: bool,
 ) -> Outcome:
-    open_, seen, sign = [box], 0, "at least 0" if weakly else "positive"
+    open_, seen, sign = deque([box]), 0, "at least 0" if weakly else "positive"
     while open_:
-        current, seen = open_.pop(), seen + 1
+        current, seen = open_.popleft(), seen + 1  # coarse boxes first: a violation is seen before depth is spent
         value = expression(**{k: flint_balls.box(*sides) for k, sides in current.items()})
         if value > 0 or (weakly and value >= 0):
             continue

@@ -8,14 +8,12 @@ everywhere is monotone. Branches whose condition is undecided on a box may jump:
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
 from functools import reduce
 from typing import Any, Literal
 
 from bridge_theory.arithmetic import flint_balls
-from bridge_theory.arithmetic.balls import BALLS
 from bridge_theory.bound import Bound
 from bridge_theory.errors import InputError
 from proofs_checks.balls import Ball, Box, prove_positive

@@ -16,7 +16,7 @@ def text(*names: str) -> Evidence:
 def directions(group: str) -> Evidence:
     """That the formulas of a group move as declared, which ``solve_for`` relies on."""
     words = (
-        f"every {group} formula moves in its declared directions, by the sign of its derivative over whole intervals of "
+        f"every {group} formula moves in its declared directions: the derivative's sign over whole intervals of "
         "one parameter, the others at a reference setting"
     )
     return proved(words, checks.directions, mutant("the opposite directions", flipped=True), group=group)

@@ -159,4 +159,84 @@ Proof.
     lra.
 Qed.
 
+(* Larger bounds may stand in for the errors. *)
+Corollary from_bounds (r1 r2 : R) : R1 <= r1 -> R2 <= r2 -> sqrt K <= sqrt r1 + 2 * sqrt r2.
+Proof.
+  intros H1 H2. pose proof confidence_set. pose proof nonneg_R1. pose proof nonneg_R2.
+  assert (sqrt R1 <= sqrt r1) by (apply sqrt_le_1; lra).
+  assert (sqrt R2 <= sqrt r2) by (apply sqrt_le_1; lra).
+  lra.
+Qed.
+
+(* The paper's lemma: its factor of sqrt R2 is at least 2. *)
+Theorem stated_lemma (r1 r2 horizon gamma : R) : R1 <= r1 -> R2 <= r2 -> 1 <= horizon -> 0 < gamma ->
+  sqrt K <= sqrt r1 + sqrt r2 * (1 + sqrt (horizon * (1 + 2 * sqrt r1 / gamma))).
+Proof.
+  intros H1 H2 Hh Hg. pose proof (from_bounds r1 r2 H1 H2).
+  pose proof (sqrt_pos r1). pose proof (sqrt_pos r2).
+  assert (0 <= 2 * sqrt r1 / gamma).
+  { unfold Rdiv. apply Rmult_le_pos; [lra|]. apply Rlt_le, Rinv_0_lt_compat; lra. }
+  assert (1 <= sqrt (horizon * (1 + 2 * sqrt r1 / gamma))).
+  { rewrite <- sqrt_1 at 1. apply sqrt_le_1; nra. }
+  nra.
+Qed.
+
+(* Deterministic policies: factors 0 or 1, and the root of 2 instead of 2. *)
+Hypothesis a_bit : forall t, a t = 0 \/ a t = 1.
+Hypothesis b_bit : forall t, b t = 0 \/ b t = 1.
+
+Lemma root_of_bit (f : T -> R) t : f t = 0 \/ f t = 1 -> sqrt (f t) = f t.
+Proof. intros [E|E]; rewrite E; [apply sqrt_0|apply sqrt_1]. Qed.
+
+Lemma piece_bits (k : T -> R) (error : R) : (forall t, 0 <= k t) ->
+  sum (fun t => k t * a t) l = 1 ->
+  error = 1 - sum (fun t => k t * (u t * v t)) l ->
+  sum (fun t => (y t - x t) * u t * (sqrt (k t) * (u t - v t))) l <= sqrt (2 * R2) * sqrt error.
+Proof.
+  intros Hk Ha Herror.
+  assert (sum (fun t => sqrt (k t) * (u t * (u t - v t)) * (sqrt (k t) * (u t * (u t - v t)))) l = error) as E.
+  { replace error with (sum (fun t => k t * a t) l + (-1) * sum (fun t => k t * (u t * v t)) l) by lra.
+    rewrite <- sum_scal, <- sum_plus. apply sum_ext. intros t _.
+    generalize (root_square k Hk t). generalize (sqrt (k t)). intros rk Hrk. rewrite <- Hrk.
+    unfold u, v. rewrite !root_of_bit by auto.
+    destruct (a_bit t) as [Ea|Ea]; destruct (b_bit t) as [Eb|Eb]; rewrite Ea, Eb; ring. }
+  assert (sum (fun t => (y t - x t) * u t * (sqrt (k t) * (u t - v t))) l
+    = sum (fun t => (y t - x t) * u t * (sqrt (k t) * (u t * (u t - v t)))) l) as S.
+  { apply sum_ext. intros t _. unfold u, v. rewrite !root_of_bit by auto.
+    destruct (a_bit t) as [Ea|Ea]; rewrite Ea; ring. }
+  rewrite S.
+  pose proof (cauchy_schwarz (fun t => (y t - x t) * u t) (fun t => sqrt (k t) * (u t * (u t - v t))) l) as CS.
+  cbv beta in CS. rewrite E, <- R2_is in CS.
+  assert (0 <= error) by (rewrite <- E; apply sum_nonneg; intros; apply square_nonneg).
+  pose proof nonneg_R2. pose proof (sqrt_pos (2 * R2)). pose proof (sqrt_pos error).
+  apply square_le; [nra|].
+  replace (sqrt (2 * R2) * sqrt error * (sqrt (2 * R2) * sqrt error))
+    with ((sqrt (2 * R2) * sqrt (2 * R2)) * (sqrt error * sqrt error)) by ring.
+  rewrite !sqrt_sqrt by lra. lra.
+Qed.
+
+Theorem confidence_set_deterministic : sqrt K <= sqrt R1 + sqrt (2 * R2).
+Proof.
+  assert (K - R1 <= sqrt (2 * R2) * (sqrt K + sqrt R1)) as H.
+  { rewrite difference_is.
+    assert (sum (fun t => (y t - x t) * u t * ((y t + x t) * (u t - v t))) l
+      = sum (fun t => (y t - x t) * u t * (y t * (u t - v t))) l
+      + sum (fun t => (y t - x t) * u t * (x t * (u t - v t))) l) as Split.
+    { rewrite <- sum_plus. apply sum_ext. intros. ring. }
+    rewrite Split.
+    pose proof (piece_bits m' K m'_nonneg expert_estimated K_is).
+    pose proof (piece_bits m R1 m_nonneg expert_true R1_is).
+    unfold x, y in *. lra. }
+  pose proof nonneg_K. pose proof nonneg_R1.
+  pose proof (sqrt_pos K). pose proof (sqrt_pos R1). pose proof (sqrt_pos (2 * R2)).
+  replace (K - R1) with ((sqrt K - sqrt R1) * (sqrt K + sqrt R1)) in H.
+  2: { replace ((sqrt K - sqrt R1) * (sqrt K + sqrt R1)) with (sqrt K * sqrt K - sqrt R1 * sqrt R1) by ring.
+       rewrite !sqrt_sqrt; auto. }
+  destruct (Req_dec (sqrt K + sqrt R1) 0) as [Z|N].
+  - lra.
+  - assert (sqrt K - sqrt R1 <= sqrt (2 * R2)).
+    { apply Rmult_le_reg_r with (sqrt K + sqrt R1); lra. }
+    lra.
+Qed.
+
 End Trajectories.

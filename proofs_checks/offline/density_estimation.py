@@ -8,7 +8,7 @@ from proofs_checks.claim import Claim
 from proofs_checks.evidence import cited, exact, mutant, refuted
 from proofs_checks.offline.checks import maximum_likelihood
 from proofs_checks.offline.evidence import text
-from proofs_checks.offline.repairs_policy import T6
+from proofs_checks.offline.repairs_policy import T6, T6_COVER
 
 CLAIMS = (
     Claim(
@@ -38,7 +38,7 @@ CLAIMS = (
         because=r"""As typeset, $2\mathcal N/\delta^{-1} = 2\mathcal N\delta$, and the bound can be negative. With
             $\delta$ in place of $\delta^{-1}$ it is true, and T6 has the constants 3, 2, 1.""",
         evidence=(refuted("offline-as-typeset"), text("mle_covering_stated", "mle_finite_stated")),
-        repairs=(T6,),
+        repairs=(T6, T6_COVER),
     ),
     Claim(
         label="lemma:fostermle",

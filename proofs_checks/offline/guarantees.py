@@ -12,7 +12,7 @@ from proofs_checks.offline.policy_estimation import POLICY_ERROR
 from proofs_checks.offline.repairs_counts import T11
 from proofs_checks.offline.repairs_policy import T7, T8, T9
 from proofs_checks.offline.search import ROOT_TWO
-from proofs_checks.offline.stage_one import RADIUS
+from proofs_checks.offline.stage_one import RADIUS_OF_THE_LEMMA, RADIUS_OF_THE_THEOREM
 from proofs_checks.offline.transition_estimation import STATED_ERROR
 
 CLAIMS = (
@@ -26,7 +26,7 @@ CLAIMS = (
             2\sqrt{R_1}/\gamma_{\min})})$.""",
         because=r"""T9 implies it for all policies; the third term of the paper's triangle inequality is not bounded
             as claimed.""",
-        evidence=RADIUS,
+        evidence=RADIUS_OF_THE_LEMMA,
         repairs=(T9,),
     ),
     Claim(
@@ -84,7 +84,7 @@ CLAIMS = (
         statement=r"""$\pi^*$ lies with probability $1-\delta$ in the set whose radius is that of the main theorem.""",
         because="As for the main theorem, which it repeats.",
         evidence=(
-            *RADIUS,
+            *RADIUS_OF_THE_THEOREM,
             exact(
                 "the radius is the lemma's at $R_1(\\delta/2)$ and $R_2(\\delta/2)$",
                 radius.radius_is_the_lemma,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 from proofs_checks.claim import Claim
-from proofs_checks.evidence import exact, mutant, proved
+from proofs_checks.evidence import exact, mutant, proved_step
 from proofs_checks.offline.checks import moments
 from proofs_checks.offline.evidence import text
 from proofs_checks.offline.repairs_counts import T12
@@ -21,7 +21,7 @@ CLAIMS = (
         because=r"""T12 gives $2B\sqrt{dR(2-R)}$. Densities need not be continuous. The main text uses the form
             without $d$, which is true for $\lVert f\rVert_2 \le B$, the assumption made there.""",
         evidence=(
-            proved(
+            proved_step(
                 r"$(2\sqrt2B\sqrt R)^2 - (2B\sqrt{R(2-R)})^2 = 4B^2R^2$ (SymPy)",
                 moments.mean_bounds_compared,
                 mutant("2 instead of 4", factor=2),
@@ -48,7 +48,7 @@ CLAIMS = (
         because=r"""T12 has 4 in place of 6, and $4t(1-t)$ of the total variation exactly. The proof has a sign error
             without effect.""",
         evidence=(
-            proved(
+            proved_step(
                 "the stated bound exceeds the sharp one for all R in a box (balls)",
                 moments.covariance_bounds_compared,
                 mutant("three times the sharp one", factor=3),

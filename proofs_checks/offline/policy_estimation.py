@@ -5,14 +5,14 @@ from __future__ import annotations
 from fractions import Fraction
 
 from proofs_checks.claim import Claim
-from proofs_checks.evidence import exact, mutant, proved, refuted
+from proofs_checks.evidence import exact, mutant, proved_step, refuted
 from proofs_checks.offline.checks import maximum_likelihood, radius
 from proofs_checks.offline.evidence import text
 from proofs_checks.offline.repairs_counts import T12
-from proofs_checks.offline.repairs_policy import T6, T7, T8
+from proofs_checks.offline.repairs_policy import T6, T6_COVER, T7, T8
 
 POLICY_ERROR = (
-    proved(
+    proved_step(
         r"$|S|\log2 + \log(1/\delta) \le 4|S|\log(|A|/\delta)$ for $|A| \ge 2$ (Z3 in the logarithms)",
         maximum_likelihood.constants_by_logarithms,
         mutant("constant 0 instead of 4", constant=0),
@@ -51,7 +51,7 @@ CLAIMS = (
         because=r"""The cited source has $4\varepsilon$. With $\varepsilon$ alone a class with many ties violates it
             surely, for every sample.""",
         evidence=(refuted("offline-log-loss-ties"), text("policy_error_covering")),
-        repairs=(T6,),
+        repairs=(T6_COVER,),
         proof=r"""$H = |S| = 1$, actions $1, \ldots, L$, policies uniform on $M$ of them. Every policy whose set
             contains the data is a maximiser, and one of them shares only the $n$ drawn actions with the expert: $H^2
             = 1 - n/M$. The uniform policy on all $L$ covers the class at $\varepsilon = \log(L/M)$. The instance is

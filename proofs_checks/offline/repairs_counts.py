@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 from proofs_checks.claim import Repair
-from proofs_checks.evidence import covered, exact, mutant, proved
+from proofs_checks.evidence import covered, exact, mutant, proved_step
 from proofs_checks.offline.checks import coverage, covering, kl_budget, moments, zero_radius
 
 T10 = Repair(
@@ -85,22 +85,22 @@ T11 = Repair(
             covering.volume_bound,
             mutant("a higher power", exponent=2),
         ),
-        proved(
+        proved_step(
             r"$(m+2|S|-2)/(|S|-1) \le 1/(e^\varepsilon-1)+3$ (Z3)",
             covering.stirling_step,
             mutant("2 instead of 3", base=Fraction(2)),
         ),
-        proved(
+        proved_step(
             r"$2\log x \ge \log(x/2+3)+2$ for all $x \ge 68$: balls at 68, Z3 for the slope beyond",
             covering.corollary_tail,
             mutant("from 2 on", at=2),
         ),
-        proved(
+        proved_step(
             "the stated bound is vacuous for every n up to 67 (balls, each n)",
             covering.corollary_start,
             mutant("up to 79", least=80),
         ),
-        proved(r"$D \le |S|^2|A|$ (Z3)", covering.dimension_is_below, mutant("at most S A", power=1)),
+        proved_step(r"$D \le |S|^2|A|$ (Z3)", covering.dimension_is_below, mutant("at most S A", power=1)),
         exact(
             "the proved bounds are below the stated one on a grid where it is informative",
             covering.closed_form_below_stated,
@@ -134,7 +134,7 @@ T12 = Repair(
         beyond. Two policies within $r$ of the clone have features at most $2B\sin\min(\pi/2, 2\arccos(1-r^2)) \le
         4\sqrt2Br$ apart, deterministic ones at most $2B\min(1, 2r^2)$.""",
     evidence=(
-        proved(
+        proved_step(
             "the scalar maximisation behind the covariance (Z3)",
             moments.covariance_maximum,
             mutant("3 instead of 4", peak=3),

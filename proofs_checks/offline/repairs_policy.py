@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 from proofs_checks.claim import Repair
-from proofs_checks.evidence import cited, covered, exact, mutant, proved
+from proofs_checks.evidence import cited, covered, exact, mutant, proved_step
 from proofs_checks.offline.checks import confidence_set, coverage, maximum_likelihood, missing_mass, zero_radius
 from proofs_checks.offline.evidence import coq
 
@@ -14,13 +14,11 @@ _INDEPENDENT = "the demonstrations are independent"
 
 T6 = Repair(
     name="T6",
-    title="maximum likelihood in Hellinger distance",
-    statement=r"""For a finite class that contains the truth and any tie-break, $\Pr(H^2(\hat g, g^*) > R) \le
-        (|\mathcal G| - 1)(1 - R)^n$, so that with probability $1 - \delta$ $H^2 \le 1 - (\delta/(|\mathcal
-        G|-1))^{1/n} \le \log((|\mathcal G|-1)/\delta)/n$. With a logarithmic cover $H^2 \le 2\log(\mathcal
-        N(\varepsilon)/\delta)/n + 2\varepsilon$; if the truth may lie outside the class, $H^2 \le 3\log(2\mathcal
-        N(\varepsilon)/\delta)/n + 2\varepsilon + \log(1 + \chi^2)$.""",
-    assumptions=(_INDEPENDENT, "the finite form needs at least two elements"),
+    title="maximum likelihood over a finite class",
+    statement=r"""For a finite class that contains the truth and any tie-break, $\Pr(H^2(\hat g, g^*) \ge R) \le
+        (|\mathcal G| - 1)(1 - R)^n$ for $R > 0$, so that with probability $1 - \delta$ $H^2 \le 1 -
+        (\delta/(|\mathcal G|-1))^{1/n} \le \log((|\mathcal G|-1)/\delta)/n$.""",
+    assumptions=(_INDEPENDENT, "at least two elements"),
     evidence=(
         coq(
             r"for all finite spaces, truths, classes and $n$: the tail $|\mathcal G|\,b^n$ at overlaps of at most $b$",
@@ -40,6 +38,20 @@ T6 = Repair(
             maximum_likelihood.finite_formulas,
             mutant("|G| instead of |G| - 1", others=0),
         ),
+    ),
+    proof=r"""$\Pr(\prod g(x_i) \ge \prod g^*(x_i)) \le \operatorname{E}\prod\sqrt{g/g^*}(x_i) = (1 - H^2(g, g^*))^n$
+        by Markov; a union over the elements at distance $R$ or more.""",
+    formulas=("mle_finite_repaired", "mle_finite_sharp"),
+)
+
+T6_COVER = Repair(
+    name="T6 (cover)",
+    title="maximum likelihood over a cover, and outside the class",
+    statement=r"""With a logarithmic cover $H^2(\hat g, g^*) \le 2\log(\mathcal N(\varepsilon)/\delta)/n +
+        2\varepsilon$ with probability $1 - \delta$; if the truth may lie outside the class, $H^2 \le 3\log(2\mathcal
+        N(\varepsilon)/\delta)/n + 2\varepsilon + \log(1 + \chi^2)$.""",
+    assumptions=(_INDEPENDENT,),
+    evidence=(
         exact(
             "39 coins with a cover of 19: exact binomial failure probabilities for the worst maximiser",
             maximum_likelihood.covered_class,
@@ -51,16 +63,13 @@ T6 = Repair(
             mutant("a twentieth of the bound", shrink=Fraction(1, 20)),
         ),
     ),
-    proof=r"""$\Pr(\prod g(x_i) \ge \prod g^*(x_i)) \le \operatorname{E}\prod\sqrt{g/g^*}(x_i) = (1 - H^2(g, g^*))^n$
-        by Markov; a union over the other elements gives the finite form.
-
-        With a cover let $g'$ be the cover element of $\hat g$: $\sum\log(g'/g^*) \ge -n\varepsilon$, while with
-        probability $1-\delta$, for all cover elements at once, $\frac12\sum\log(g'/g^*) \le n\log\mathrm{BC}(g', g^*)
-        + \log(\mathcal N/\delta)$. So $H^2(g', g^*) \le \log(\mathcal N/\delta)/n + \varepsilon/2$; and $H^2(\hat g,
+    proof=r"""Let $g'$ be the cover element of $\hat g$: $\sum\log(g'/g^*) \ge -n\varepsilon$, while with probability
+        $1-\delta$, for all cover elements at once, $\frac12\sum\log(g'/g^*) \le n\log\mathrm{BC}(g', g^*) +
+        \log(\mathcal N/\delta)$. So $H^2(g', g^*) \le \log(\mathcal N/\delta)/n + \varepsilon/2$, and $H^2(\hat g,
         g') \le \varepsilon/2$; the triangle inequality and $(a+b)^2 \le 2a^2 + 2b^2$.
 
         Outside the class, Markov gives $\sum\log(\hat g/g^*) \ge -n\log(1+\chi^2) - \log(2/\delta)$ instead of 0.""",
-    formulas=("mle_finite_repaired", "mle_finite_sharp", "mle_covering_repaired", "mle_misspecified_repaired"),
+    formulas=("mle_covering_repaired", "mle_misspecified_repaired"),
 )
 
 T7 = Repair(
@@ -168,8 +177,7 @@ T9 = Repair(
     title="radius from the two errors alone",
     statement=r"""With $R_1 = H^2(P_*^{\hat\pi}, P_*^{\pi^*})$ and $R_2 = H^2(\hat P^{\pi^*}, P_*^{\pi^*})$, for all
         policies (stochastic, history-dependent) and kernels: $H(\hat P^{\pi^*}, \hat P^{\hat\pi}) \le \sqrt{R_1} +
-        2\sqrt{R_2}$. For deterministic policies $\sqrt{R_1} + \sqrt{2R_2}$, or $\sin\min(\pi/2, \arcsin\sqrt{R_1} +
-        \arccos(1 - R_2))$.""",
+        2\sqrt{R_2}$.""",
     evidence=(
         coq(
             r"$\sqrt{R_1} + 2\sqrt{R_2}$ for all finite trajectory spaces, kernels and policies",
@@ -179,7 +187,7 @@ T9 = Repair(
             "sqrt K <= sqrt R1 + 2 * sqrt R2.",
             "sqrt K <= sqrt R1 + 1 * sqrt R2.",
         ),
-        proved(
+        proved_step(
             "the two algebraic steps of the proof (Z3)",
             confidence_set.product_inequality,
             mutant("constant 1 instead of 2", constant=1),
@@ -188,21 +196,6 @@ T9 = Repair(
             "generated kernels and stochastic, history-dependent policies, exactly and by the formula",
             confidence_set.any_policies,
             mutant("factor 1 instead of 2", factor=Fraction(1)),
-        ),
-        exact(
-            "generated deterministic policies: the root of 2 and the angle form",
-            confidence_set.deterministic_policies,
-            mutant("factor 1 instead of the root of 2", squared_factor=Fraction(1)),
-        ),
-        exact(
-            r"$\sqrt2$ is approached where the estimate finds a detour of small probability",
-            confidence_set.root_two_is_tight,
-            mutant("199/100 under the root", squared_factor=Fraction(199, 100)),
-        ),
-        exact(
-            "two-point laws attain the angle form",
-            confidence_set.angle_is_attained,
-            mutant("a billionth more", shift=Fraction(1, 10**9)),
         ),
         exact(
             "larger errors give larger radii",
@@ -216,7 +209,58 @@ T9 = Repair(
         - R_1 = \sum(1-g)(\sqrt\nu - \sqrt\mu)(\sqrt\nu + \sqrt\mu) \le \sqrt{2R_2}\,\bigl(\lVert(1-g)\sqrt\nu\rVert +
         \lVert(1-g)\sqrt\mu\rVert\bigr),$$ and $\lVert(1-g)\sqrt m\rVert^2 = 1 - 2\operatorname{E}g +
         \operatorname{E}g^2 \le 2(1 - \operatorname{E}_m g)$. So $K - R_1 \le 2\sqrt{R_2}(\sqrt K + \sqrt{R_1})$;
-        divide. Deterministic policies have $g \in \{0, 1\}$ and the square is $1 - \operatorname{E}g$. The angle form
-        is data processing to the event that the policies disagree.""",
-    formulas=("confidence_set_radius_repaired", "confidence_set_radius_deterministic", "confidence_set_radius_angle"),
+        divide.""",
+    formulas=("confidence_set_radius_repaired",),
+)
+
+T9_DETERMINISTIC = Repair(
+    name="T9 (deterministic)",
+    title="radius from the two errors, deterministic policies",
+    statement=r"""For deterministic policies $H(\hat P^{\pi^*}, \hat P^{\hat\pi}) \le \sqrt{R_1} + \sqrt{2R_2}$, and
+        the root of 2 cannot be improved.""",
+    evidence=(
+        coq(
+            "the inequality for all finite trajectory spaces, kernels and deterministic policies",
+            "confidence_set",
+            "confidence_set_deterministic",
+            "R2 instead of 2 R2 under the root",
+            "sqrt K <= sqrt R1 + sqrt (2 * R2).",
+            "sqrt K <= sqrt R1 + sqrt (1 * R2).",
+        ),
+        exact(
+            "generated deterministic policies: the root of 2 and the angle form",
+            confidence_set.deterministic_policies,
+            mutant("factor 1 instead of the root of 2", squared_factor=Fraction(1)),
+        ),
+        exact(
+            r"$\sqrt2$ is approached where the estimate finds a detour of small probability",
+            confidence_set.root_two_is_tight,
+            mutant("199/100 under the root", squared_factor=Fraction(199, 100)),
+        ),
+    ),
+    proof=r"""As T9 with $g \in \{0, 1\}$: the weighted norms of $1 - g$ are $1 - \operatorname{E}g$ instead of twice
+        that.""",
+    formulas=("confidence_set_radius_deterministic",),
+)
+
+T9_ANGLE = Repair(
+    name="T9 (angle)",
+    title="radius from the two errors, as an angle",
+    statement=r"""For deterministic policies $H(\hat P^{\pi^*}, \hat P^{\hat\pi}) \le \sin\min(\pi/2,
+        \arcsin\sqrt{R_1} + \arccos(1 - R_2))$, attained.""",
+    evidence=(
+        exact(
+            "two-point laws attain the angle form",
+            confidence_set.angle_is_attained,
+            mutant("a billionth more", shift=Fraction(1, 10**9)),
+        ),
+        exact(
+            "generated kernels and deterministic policies, by the formula",
+            confidence_set.angle_form,
+            mutant("half of the transition error", share=Fraction(1, 2)),
+        ),
+    ),
+    proof=r"""Data processing to the event that the policies disagree: its probabilities $R_1$ under the truth and $K$
+        under the estimate are at an angle of at most $\arccos(1 - R_2)$.""",
+    formulas=("confidence_set_radius_angle",),
 )

@@ -6,9 +6,9 @@ from fractions import Fraction
 
 from bridge_theory import concentrability_deterministic, concentrability_stated
 from proofs_checks.claim import Repair
-from proofs_checks.evidence import exact, mutant, proved
+from proofs_checks.evidence import exact, mutant, proved_step
 from proofs_checks.offline.checks import concentrability, distances, kl_budget, subadditivity, trajectory_error
-from proofs_checks.offline.evidence import coq
+from proofs_checks.offline.evidence import coq, coq_step
 
 _COMMON = ("both laws share the policy and the law of the first state",)
 
@@ -79,13 +79,13 @@ T2 = Repair(
         of the two kernels. The best constant lies between 2 and 3.""",
     assumptions=_COMMON,
     evidence=(
-        proved(
+        proved_step(
             "the induction step with constant 3: polynomial inequalities, each unsatisfiable when negated (Z3)",
             subadditivity.induction_step,
             mutant("constant 2", constant=2),
             constant=3,
         ),
-        proved(
+        proved_step(
             "the same with constant 4, with a simpler function",
             subadditivity.induction_step,
             mutant("constant 2", constant=2),
@@ -163,6 +163,14 @@ T4 = Repair(
         for every $u$.""",
     assumptions=_COMMON,
     evidence=(
+        coq_step(
+            "the bound at one step (Coq's kernel), for all finite laws and rows",
+            "row_errors",
+            "row_error_at_step",
+            "u (1 - u) instead of u (2 - u)",
+            "l <= u * (2 - u).",
+            "l <= u * (1 - u).",
+        ),
         exact(
             "both inequalities on generated kernels and policies, in exact algebra",
             trajectory_error.row_errors_from_trajectories,
@@ -189,12 +197,12 @@ T5 = Repair(
         beyond. It is attained for $\gamma \le 1/2$, and is at most $1 + \sqrt{2R}/\gamma \le 1 + 2\sqrt R/\gamma$.
         For deterministic policies $d/d^* \le 1 + R/\gamma$.""",
     evidence=(
-        proved(
+        proved_step(
             "the two-point inequality behind it, without angles (Z3)",
             concentrability.two_point_inequality,
             mutant("a smaller sine", slack=1),
         ),
-        proved(
+        proved_step(
             r"it is below $1 + \sqrt{2R}/\gamma$ and $1 + 2\sqrt R/\gamma$ (Z3)",
             concentrability.weaker_forms,
             mutant("factor 1 instead of 2", factor=Fraction(1)),
@@ -231,12 +239,12 @@ T5 = Repair(
 )
 
 STATED_CONCENTRABILITY = (
-    proved(
+    proved_step(
         r"the sharp bound is below $1 + 2\sqrt R/\gamma$ for all $\gamma \le (1-R)^2$ (Z3)",
         concentrability.weaker_forms,
         mutant("factor 1 instead of 2", factor=Fraction(1)),
     ),
-    proved(
+    proved_step(
         r"the formulas of bridge_theory in this order on a box of $(R, \gamma)$ (balls)",
         concentrability.sharp_below_stated,
         mutant("half of the stated bound", factor=Fraction(1, 2)),

@@ -5,27 +5,37 @@ from __future__ import annotations
 from fractions import Fraction
 
 from proofs_checks.claim import Claim
-from proofs_checks.evidence import exact, mutant, proved, refuted
+from proofs_checks.evidence import exact, mutant, proved_step, refuted
 from proofs_checks.offline.checks import confidence_set, radius, transcription
-from proofs_checks.offline.evidence import text
-from proofs_checks.offline.repairs_counts import T10, T12, T13, T14
-from proofs_checks.offline.repairs_policy import T7, T8, T9
+from proofs_checks.offline.evidence import coq, text
+from proofs_checks.offline.repairs_counts import T10, T11, T12, T13, T14
+from proofs_checks.offline.repairs_policy import T7, T8, T9, T9_ANGLE, T9_DETERMINISTIC
 from proofs_checks.offline.repairs_trajectory import STATED_CONCENTRABILITY, T5
 
 _DETERMINISTIC = "the expert is deterministic and stationary, the kernel stationary"
 
-RADIUS = (
-    proved(
-        "the paper's factor $1 + \\sqrt{HC}$ is at least 2, so that T9 implies the lemma (Z3)",
-        confidence_set.stated_radius_is_larger,
-        mutant("at least 21/10", floor=Fraction(21, 10)),
-    ),
-    exact(
-        "the radius from the exact errors of generated instances contains the expert",
-        confidence_set.stated_formula_covers,
-        mutant("the first error alone", only_policy_error=True),
-    ),
+_FACTOR_TWO = proved_step(
+    "the paper's factor $1 + \\sqrt{HC}$ is at least 2, so that T9 implies the lemma (Z3)",
+    confidence_set.stated_radius_is_larger,
+    mutant("at least 21/10", floor=Fraction(21, 10)),
 )
+_ON_INSTANCES = exact(
+    "the radius from the exact errors of generated instances contains the expert",
+    confidence_set.stated_formula_covers,
+    mutant("the first error alone", only_policy_error=True),
+)
+RADIUS_OF_THE_LEMMA = (
+    coq(
+        "on the two events, for all finite trajectory spaces, kernels and policies",
+        "confidence_set",
+        "stated_lemma",
+        "without the 1 in front of the root",
+        "sqrt r2 * (1 + sqrt (horizon * (1 + 2 * sqrt r1 / gamma))).",
+        "sqrt r2 * (0 + sqrt (horizon * (1 + 2 * sqrt r1 / gamma))).",
+    ),
+    _ON_INSTANCES,
+)
+RADIUS_OF_THE_THEOREM = (_FACTOR_TWO, _ON_INSTANCES)
 
 CLAIMS = (
     Claim(
@@ -44,7 +54,7 @@ CLAIMS = (
             demonstrations on ($\gamma_{\min} = 0.1$), while radius 0 is valid at every sample size (T8).""",
         assumptions=(_DETERMINISTIC, "the law of the first state is common"),
         evidence=(
-            *RADIUS,
+            *RADIUS_OF_THE_THEOREM,
             exact(
                 "wherever the stated radius is informative the proved radii are below it (balls)",
                 radius.proved_below_stated,
@@ -71,7 +81,7 @@ CLAIMS = (
                 mutant("$\\delta$ instead of $\\delta/2$", half=1.0),
             ),
         ),
-        repairs=(T8, T9, T10, T13, T14),
+        repairs=(T8, T9, T9_DETERMINISTIC, T9_ANGLE, T7, T10, T11, T13, T14),
         proof=r"""With probability $1-\delta/2$ each, $R_1 \le (|S|\log2 + \log(2/\delta))/n$ (T7) and $R_2$ is below
             the theorem's bound (T6 with T11). By T9 the distance is at most $\sqrt{R_1} + \sqrt{2R_2}$, and $1 +
             \sqrt{H(1 + 2\sqrt{R_1}/\gamma_{\min})} \ge 2 \ge \sqrt2$.""",
@@ -172,8 +182,8 @@ CLAIMS = (
             probability $1-\delta$.""",
         because=r"""The factor of $\sqrt{R_2}$ is at least 2, and T9 needs 2, for any policies and without
             $\gamma_{\min}$. The paper's proof uses the technical lemma, which is false.""",
-        evidence=(*RADIUS, text("confidence_set_radius")),
-        repairs=(T9,),
+        evidence=(*RADIUS_OF_THE_LEMMA, text("confidence_set_radius")),
+        repairs=(T9, T9_DETERMINISTIC),
     ),
     Claim(
         label="local:feature_difference_main",

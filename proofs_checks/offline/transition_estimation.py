@@ -5,19 +5,19 @@ from __future__ import annotations
 from fractions import Fraction
 
 from proofs_checks.claim import Claim
-from proofs_checks.evidence import exact, mutant, proved, refuted, unsettled
+from proofs_checks.evidence import exact, mutant, proved_step, refuted, unsettled
 from proofs_checks.offline.checks import covering, radius
 from proofs_checks.offline.evidence import text
 from proofs_checks.offline.repairs_counts import T10, T11
-from proofs_checks.offline.repairs_policy import T6, T8
+from proofs_checks.offline.repairs_policy import T6_COVER, T8
 
 STATED_ERROR = (
-    proved(
+    proved_step(
         r"$2\log x \ge \log(x/2+3)+2$ for all $x \ge 68$: balls at 68, Z3 for the slope beyond",
         covering.corollary_tail,
         mutant("from 2 on", at=2),
     ),
-    proved(
+    proved_step(
         "the stated bound is vacuous for every n up to 67 (balls, each n)",
         covering.corollary_start,
         mutant("up to 79", least=80),
@@ -75,7 +75,7 @@ CLAIMS = (
                 mutant("5 instead of 6", constant=5),
             ),
         ),
-        repairs=(T6, T11),
+        repairs=(T6_COVER, T11),
     ),
     Claim(
         label="lem:transition_covering_number_stationary_tabular_stochastic_transitions",

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from joblib import Parallel, delayed, effective_n_jobs
+from threadpoolctl import threadpool_limits
 from tqdm import tqdm
 
 from proofs_checks.context import Context
@@ -62,7 +63,8 @@ def run_job(job: Job, *, quick: bool, seed: int) -> Report:
     variant = next((mutant.variant for mutant in item.mutants if mutant.name == job.mutant), {})
     start = time.perf_counter()
     try:
-        outcome = item.run(Context(quick, seed, job.key), variant)
+        with threadpool_limits(1):  # matrices are tiny; threads only wait for each other
+            outcome = item.run(Context(quick, seed, job.key), variant)
     except Exception as error:  # whatever a check raises belongs in its report, beside the other checks
         return Report(job, "error", f"{type(error).__name__}: {error}", 0, time.perf_counter() - start)
     status: Status = "skipped" if outcome.skipped else "holds" if outcome.holds else "fails"

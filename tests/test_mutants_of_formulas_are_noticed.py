@@ -10,7 +10,7 @@ import pytest
 
 from proofs_checks.mutate import GOAL, report, share
 from proofs_checks.mutation.campaign import Fate, campaign, observe_all
-from proofs_checks.mutation.killers import Baseline, Killer, example_killers, observe, file_killers
+from proofs_checks.mutation.killers import Baseline, Killer, example_killers, file_killers, observe
 from proofs_checks.mutation.sites import Site, formula_modules, mutated, sites
 
 ROOT = Path(__file__).parent

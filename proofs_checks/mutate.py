@@ -25,7 +25,7 @@ from proofs_checks.mutation.sites import Site, formula_modules, sites
 from proofs_checks.mutation.survivors import explanation
 
 GOAL = 0.95
-TESTS = ("tests/theory/test_*.py", "tests/test_offline_formulas_*.py")
+TESTS = ("tests/theory/test_*.py", "tests/test_offline_formulas_*.py", "tests/test_formulas_*.py")
 """The tests that hold formulas to numbers, relative to the root of the repository."""
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from proofs_checks.claim import Claim, Repair
 from proofs_checks.evidence import exact, mutant, proved, refuted, unsettled
 from proofs_checks.online.bonuses import R6
-from proofs_checks.online.checks import bonus, companions, containment, offline_gain
+from proofs_checks.online.checks import bonus, companions, containment, offline_gain, transcription
 from proofs_checks.online.checks.transcription_regret import REGRET
 from proofs_checks.online.containment import R4, RUNS_UNKNOWN
 from proofs_checks.online.evidence import directions, text
@@ -172,6 +172,11 @@ CLAIMS = (
         evidence=(
             text(*REGRET),
             directions("regret"),
+            exact(
+                "the formulas are defined up to the limits of their statements and not beyond",
+                transcription.edges,
+                mutant("limits in the other direction", shift=-1e-6),
+            ),
             exact(
                 "trivial values and failure probabilities of the formulas agree with their text",
                 companions.companions,

@@ -112,7 +112,7 @@ def estimated_sum(context: Context, *, factor: Fraction | int = 1) -> Outcome:
         pair, slack = instance
 
         def radius(pair: Any, s: int, a: int) -> Fraction:
-            return min(Fraction(2), _row_error(pair, s, a) + slack[s][a])
+            return Fraction(min(Fraction(2), _row_error(pair, s, a) + slack[s][a]))
 
         under_truth = _expected(pair.model.law(pair.clone), pair, radius)
         under_estimate = _expected(pair.estimate.law(pair.clone), pair, radius)

@@ -65,7 +65,7 @@ FAILURE: Mapping[str, Callable[..., float]] = {
 
 
 def companions(*, factor: float = 1.0) -> Outcome:
-    """Trivial values and failure probabilities agree with their text at both points."""
+    """Trivial values and failure probabilities agree with their text."""
     tally = Tally()
     for kind, texts in (("trivial", TRIVIAL), ("failure", FAILURE)):
         for name, text in texts.items():

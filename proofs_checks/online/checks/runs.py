@@ -40,7 +40,7 @@ class Play:
     @property
     def regret(self) -> float:
         best = float(self.utility.max())
-        return sum(best - (self.utility[i] + self.utility[j]) / 2 for i, j in self.pairs)
+        return float(sum(best - (self.utility[i] + self.utility[j]) / 2 for i, j in self.pairs))
 
     @property
     def best_is_kept(self) -> bool:

@@ -15,7 +15,7 @@ from proofs_checks.outcome import Outcome, Tally
 
 _ROUNDING = 1e-10
 
-# Two points on which the branches of the formulas below go different ways.
+# Three points on which the branches of the formulas below go different ways.
 POINTS: tuple[Mapping[str, Any], ...] = (
     {"S": 5, "A": 4, "H": 8, "n": 300, "T": 700, "t": 40, "K": 3, "d": 3, "B": 1.5, "W": 0.7, "lam": 0.8, "N": 900,
      "eta": 1.3, "epsilon": 0.2, "delta": 0.05, "delta_w": 0.04, "delta_V": 0.03, "delta_P": 0.02, "delta_F": 0.06,
@@ -29,6 +29,12 @@ POINTS: tuple[Mapping[str, Any], ...] = (
      "log_covering": 4.0, "Delta_n": 0.001, "radius": 0.01, "R2": 0.0002, "diameter": 0.05, "square_sum": 0.4, "L": 0.3,
      "v": 2.0, "gamma": 30.0, "norm_sum": 0.5, "bonus_square_sum": 0.2, "log_det_ratio": 0.3, "residual": 0.0,
      "true_bonus": 0.3, "optimism": 9.0, "norm": 0.1, "bonus_sum": 0.7, "width_sum": 0.3, "potential": 0.2, "C": 0.4},
+    {"S": 3, "A": 2, "H": 2, "n": 50, "T": 10**14, "t": 7, "K": 2, "d": 1, "B": 0.3, "W": 0.5, "lam": 1.2, "N": 5,
+     "eta": 0.9, "epsilon": 0.4, "delta": 0.11, "delta_w": 0.21, "delta_V": 0.31, "delta_P": 0.12, "delta_F": 0.22,
+     "delta_M": 0.32, "delta_off": 0.13, "delta_martingale": 0.23, "gamma_min": 0.4, "S_reach": 4, "uncovered": 1,
+     "log_covering": 2.0, "Delta_n": 0.9, "radius": 0.9, "R2": 0.8, "diameter": 1e-6, "square_sum": 3.0, "L": 0.0,
+     "v": 1.1, "gamma": 2.0, "norm_sum": 0.7, "bonus_square_sum": 0.6, "log_det_ratio": 0.1, "residual": 0.9,
+     "true_bonus": 0.8, "optimism": 0.2, "norm": 8.0, "bonus_sum": 0.4, "width_sum": 0.9, "potential": 0.5, "C": 2.1},
 )  # fmt: skip
 
 _C = e / (e - 1)
@@ -124,7 +130,7 @@ ONLINE: Mapping[str, Callable[..., float]] = {
 
 
 def formulas(*, names: tuple[str, ...] = (), factor: float = 1.0) -> Outcome:
-    """The named formulas agree with their text at both points where they are defined; ``factor`` changes the text."""
+    """The named formulas agree with their text at the points where they are defined; ``factor`` changes the text."""
     from bridge_theory.errors import InputError
     from proofs_checks.online.checks.transcription_regret import REGRET
 
@@ -136,12 +142,40 @@ def formulas(*, names: tuple[str, ...] = (), factor: float = 1.0) -> Outcome:
             try:
                 value = float(formula.estimate(**values))
             except InputError:
-                continue  # a condition of the statement excludes this point; one of the two must remain
+                continue  # a condition of the statement excludes this point; one must remain
             expected = factor * text(**values)
             agree = abs(value - expected) <= _ROUNDING * max(abs(expected), 1e-9)
             tally.expect(bool(agree), f"{name} is {value!r}, its text says {expected!r}")
-    tally.expect(tally.decisions >= len(names), "some formula is excluded at both points")
+    tally.expect(tally.decisions >= len(names), "some formula is excluded everywhere")
     return tally.outcome(f"{len(names)} formulas agree with a second transcription")
+
+
+def edges(*, shift: float = 1e-6) -> Outcome:
+    """Conditions of the statements hold up to their printed limits and fail just beyond."""
+    from bridge_theory.errors import InputError
+
+    point = {**POINTS[0], "T": 700, "delta": 0.2}
+    H, eta, B, W = (point[name] for name in ("H", "eta", "B", "W"))
+    limits = (
+        ("offline_bonus_log_term", "epsilon", 4 * eta * H),
+        ("squared_bonus_sum_stated", "epsilon", 4 * eta * H),
+        ("bonus_sum_stated", "epsilon", 32 * H**2 * W * B),
+        ("played_bonus_sum_stated", "epsilon", 32 * H**2 * W * B),
+        ("regret_known_stated", "delta", exp(-1)),
+        ("regret_known_stated", "lam", B / _kappa(B, W)),
+    )
+    tally = Tally()
+    for name, parameter, limit in limits:
+        formula, inward = getattr(bridge_theory, name), -1 if parameter != "lam" else 1
+        for direction, wanted in ((inward, True), (-inward, False)):
+            values = {key: point[key] for key in formula.parameters} | {parameter: limit * (1 + direction * shift)}
+            try:
+                formula.estimate(**values)
+                allowed = True
+            except InputError:
+                allowed = False
+            tally.expect(allowed == wanted, f"{name} at {parameter} = {values[parameter]} is allowed: {allowed}")
+    return tally.outcome("limits of the conditions")
 
 
 def tables(*, factor: float = 1.0) -> Outcome:

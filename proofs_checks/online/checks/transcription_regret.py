@@ -74,7 +74,7 @@ def _features(B: float, lam: float, d: float, S: float, A: float, n: float, T: f
 
 
 def _price(a: float) -> float:
-    return a / log(1 + a)
+    return a / log(1 + a) if a > 1e-9 else 1 + a / 2
 
 
 def _psi(B: float, W: float, lam: float, d: float, T: float, delta_F: float) -> float:
@@ -233,7 +233,8 @@ def _growth(n: float, T: float, gamma_min: float) -> float:
 
 
 def _martingale_rate(B: float, W: float, S: float, A: float, H: float, n: float, T: float, gamma_min: float) -> float:
-    return H**2.5 * W * B * sqrt(T / (n * gamma_min)) + H**2 * W * B * sqrt(T) * sqrt(S) * A**0.25 / n**0.25
+    second = H**2.5 * W * B * sqrt(T / (n * gamma_min))
+    return float(second + H**2 * W * B * sqrt(T) * sqrt(S) * A**0.25 / n**0.25)
 
 
 def _first(H: float, S: float, A: float, T: float, n: float, gamma_min: float) -> float:
@@ -259,7 +260,7 @@ def _played(B: float, W: float, S: float, A: float, H: float, n: float, T: float
 def _term_3(B: float, W: float, S: float, A: float, H: float, n: float, T: float, gamma_min: float) -> float:
     second = H**2.5 * W * B * sqrt(T) / sqrt(n * gamma_min)
     third = H**2 * W * B * T * sqrt(log(T)) * sqrt(S) * A**0.25 / n**0.25
-    return _first(H, S, A, T, n, gamma_min) + second + third
+    return float(_first(H, S, A, T, n, gamma_min) + second + third)
 
 
 RATES: Mapping[str, Callable[..., float]] = {

@@ -59,7 +59,7 @@ def row_errors(data: Mapping[str, Any], name: str) -> list[Surd]:
     """E_{d_t} H^2(P-hat, P*) of the rows, one number a step, under the truth and one policy."""
     true, estimate = model(data), model(data, ESTIMATED)
     return [
-        sum((row_hellinger(true.kernel[s][a], estimate.kernel[s][a]) * p for (s, a), p in d.items()), surd(0))  # type: ignore[misc]
+        sum((row_hellinger(true.kernel[s][a], estimate.kernel[s][a]) * p for (s, a), p in d.items()), surd(0))
         for d in occupancies(law(data, TRUE, name), true.horizon)
     ]
 
@@ -191,7 +191,8 @@ def estimate_from_data(data: Mapping[str, Any]) -> tuple[Number, Number]:
 
     ``readings`` are two pairs (state after the last action or "", default row); everything else is the same data.
     """
-    return tuple(_distance_under_reading(data, *reading) for reading in data["readings"])  # type: ignore[return-value]
+    first, second = (_distance_under_reading(data, *reading) for reading in data["readings"])
+    return first, second
 
 
 def _distance_under_reading(data: Mapping[str, Any], last: str, default: Sequence[str]) -> Number:

@@ -62,6 +62,11 @@ def value_of(bound: Bound, **values: Number | tuple[Fraction | int, ...]) -> Bal
     return bound(BALLS, **{k: v if isinstance(v, tuple) else as_ball(v) for k, v in values.items()})
 
 
+def scaled(factor: Fraction, bound: Bound, **values: Number | tuple[Fraction | int, ...]) -> Ball:
+    """A multiple of the bound: a mutant of it."""
+    return ball(factor) * value_of(bound, **values)
+
+
 def as_ball(value: Any) -> Ball:
     """A `Number` as a ball at the working precision."""
     if isinstance(value, Surd):

@@ -7,13 +7,15 @@ from random import Random
 from typing import TypeVar
 
 from hypothesis import HealthCheck, Phase, find, settings
-from hypothesis.errors import NoSuchExample
+from hypothesis.errors import NoSuchExample, Unsatisfiable
 from hypothesis.strategies import SearchStrategy
 
 from proofs_checks.context import Context
 from proofs_checks.outcome import Outcome
 
 T = TypeVar("T")
+
+_FEWEST = 10
 
 QUICK = Context(quick=True)
 """The default context of a check that is called by hand."""
@@ -39,9 +41,9 @@ def on_every(name: str, instances: SearchStrategy[T], holds: Callable[[T], bool]
 
     try:
         smallest = find(instances, fails, settings=_settings(examples), random=Random(20250926))
-    except NoSuchExample:
-        if seen < min(examples, 5) // 2:
-            return Outcome(seen, (f"only {seen} instances were generated, which is no evidence",), name)
+    except (NoSuchExample, Unsatisfiable):
+        if seen < min(examples, _FEWEST):
+            return Outcome(seen, (f"{name}: only {seen} instances were generated, which is no evidence",))
         return Outcome(seen, details=f"{name}: holds on {seen} instances chosen by Hypothesis")
     return Outcome(seen, (f"{name}: fails for {smallest}",))
 

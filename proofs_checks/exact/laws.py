@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from fractions import Fraction
 from itertools import product
+from operator import itemgetter
+from typing import Any
 
 from bridge_theory.arithmetic.flint_balls import Ball, ball
 from proofs_checks.exact.surd import Surd, root, surd
@@ -50,12 +52,12 @@ def _extended(law: Law, choice: Choice) -> dict[History, Fraction]:
     return {(*h, x): mass * p for h, mass in law.items() for x, p in enumerate(choice(h)) if p}
 
 
-def bhattacharyya(first: Mapping[object, Fraction], second: Mapping[object, Fraction]) -> Surd:
+def bhattacharyya(first: Mapping[Any, Fraction], second: Mapping[Any, Fraction]) -> Surd:
     """BC = sum of sqrt(P Q), exactly."""
     return sum((root(p * second[x]) for x, p in first.items() if x in second), surd(0))
 
 
-def squared_hellinger(first: Mapping[object, Fraction], second: Mapping[object, Fraction]) -> Surd:
+def squared_hellinger(first: Mapping[Any, Fraction], second: Mapping[Any, Fraction]) -> Surd:
     """H^2 = 1 - BC, exactly."""
     return 1 - bhattacharyya(first, second)
 
@@ -65,13 +67,13 @@ def row_hellinger(first: Row, second: Row) -> Surd:
     return squared_hellinger(dict(enumerate(first)), dict(enumerate(second)))
 
 
-def total_variation(first: Mapping[object, Fraction], second: Mapping[object, Fraction]) -> Fraction:
+def total_variation(first: Mapping[Any, Fraction], second: Mapping[Any, Fraction]) -> Fraction:
     """TV = half the sum of |P - Q|."""
     zero = Fraction(0)
     return sum((abs(first.get(x, zero) - second.get(x, zero)) for x in {*first, *second}), zero) / 2
 
 
-def kl_divergence(first: Mapping[object, Fraction], second: Mapping[object, Fraction]) -> Ball:
+def kl_divergence(first: Mapping[Any, Fraction], second: Mapping[Any, Fraction]) -> Ball:
     """KL(P || Q) in nats as a ball; P must be absolutely continuous with respect to Q."""
     return sum((ball(p) * ball(p / second[x]).log() for x, p in first.items() if p), start=ball(0))
 
@@ -81,17 +83,17 @@ def row_kl(first: Row, second: Row) -> Ball:
     return kl_divergence(dict(enumerate(first)), dict(enumerate(second)))
 
 
-def marginal(law: Law, key: Callable[[History], object]) -> dict[object, Fraction]:
+def marginal(law: Law, key: Callable[[History], Any]) -> dict[Any, Fraction]:
     """The law of ``key(history)``."""
-    sums: dict[object, Fraction] = {}
+    sums: dict[Any, Fraction] = {}
     for history, mass in law.items():
         sums[key(history)] = sums.get(key(history), Fraction(0)) + mass
     return sums
 
 
-def occupancies(law: Law, horizon: int) -> list[dict[object, Fraction]]:
+def occupancies(law: Law, horizon: int) -> list[dict[Any, Fraction]]:
     """d_t(s, a) for t = 1, ..., H as dictionaries of their positive entries, keyed ``(s, a)``."""
-    return [marginal(law, lambda h, t=t: h[2 * t : 2 * t + 2]) for t in range(horizon)]  # type: ignore[misc]
+    return [marginal(law, itemgetter(slice(2 * t, 2 * t + 2))) for t in range(horizon)]
 
 
 def probability_of_hitting(law: Law, states: Collection[int], horizon: int) -> Fraction:

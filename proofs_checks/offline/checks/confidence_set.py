@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from functools import partial
 from itertools import pairwise
+from typing import Any
 
 from hypothesis import strategies as st
 from hypothesis.strategies import DrawFn
@@ -17,7 +19,7 @@ from bridge_theory import (
 from bridge_theory.arithmetic.flint_balls import Ball
 from bridge_theory.bound import Bound
 from proofs_checks.context import Context
-from proofs_checks.exact.certify import at_most, attained, value_of, within
+from proofs_checks.exact.certify import Number, at_most, attained, value_of, within
 from proofs_checks.exact.every import QUICK, on_every
 from proofs_checks.exact.laws import Choice, deterministic, occupancies, squared_hellinger
 from proofs_checks.exact.model import Model
@@ -30,9 +32,7 @@ Policy = Choice | tuple[int, ...]
 
 
 @st.composite
-def _settings(
-    draw: DrawFn, deterministic: bool = False
-) -> tuple[Model, Model, Choice | tuple[int, ...], Choice | tuple[int, ...]]:
+def _settings(draw: DrawFn, deterministic: bool = False) -> Any:
     pair = draw(pairs())
     if deterministic:
         return pair.model, pair.estimate, pair.expert, pair.clone
@@ -45,12 +45,12 @@ def _as_choices(instance: tuple[Model, Model, tuple[int, ...], tuple[int, ...]])
     return model, estimate, expert, clone
 
 
-def _errors(model: Model, estimate: Model, expert: object, clone: object) -> tuple[Surd, Surd, Surd]:
+def _errors(model: Model, estimate: Model, expert: Policy, clone: Policy) -> tuple[Surd, Surd, Surd]:
     """K = H^2(P-hat^pi*, P-hat^BC), R_1 and R_2."""
-    true_expert, estimated_expert = model.law(expert), estimate.law(expert)  # type: ignore[arg-type]
+    true_expert, estimated_expert = model.law(expert), estimate.law(expert)
     return (
-        squared_hellinger(estimated_expert, estimate.law(clone)),  # type: ignore[arg-type]
-        squared_hellinger(model.law(clone), true_expert),  # type: ignore[arg-type]
+        squared_hellinger(estimated_expert, estimate.law(clone)),
+        squared_hellinger(model.law(clone), true_expert),
         squared_hellinger(estimated_expert, true_expert),
     )
 
@@ -65,7 +65,7 @@ def any_policies(*, factor: Fraction = Fraction(2), context: Context = QUICK) ->
 
     known = _as_choices((*_detour(Fraction(3, 4)), (0, 0), (0, 1)))
     settings = st.one_of(st.just(known), _settings(), _settings(deterministic=True).map(_as_choices))
-    return on_every("T9, any policies", settings, holds, context.pick(quick=60, full=500))  # type: ignore[arg-type]
+    return on_every("T9, any policies", settings, holds, context.pick(quick=60, full=500))
 
 
 def deterministic_policies(*, squared_factor: Fraction = Fraction(2), context: Context = QUICK) -> Outcome:
@@ -77,7 +77,7 @@ def deterministic_policies(*, squared_factor: Fraction = Fraction(2), context: C
         return exact and within(_root(k), confidence_set_radius_deterministic, R1=r1, R2=r2)
 
     settings = _settings(deterministic=True)
-    return on_every("T9, deterministic policies", settings, holds, context.pick(quick=60, full=500))  # type: ignore[arg-type]
+    return on_every("T9, deterministic policies", settings, holds, context.pick(quick=60, full=500))
 
 
 def angle_form(*, share: Fraction = Fraction(1), context: Context = QUICK) -> Outcome:
@@ -89,10 +89,10 @@ def angle_form(*, share: Fraction = Fraction(1), context: Context = QUICK) -> Ou
 
     known = (*_detour(Fraction(3, 4)), (0, 0), (0, 1))
     settings = st.one_of(st.just(known), _settings(deterministic=True))
-    return on_every("T9, angle form", settings, holds, context.pick(quick=60, full=500))  # type: ignore[arg-type]
+    return on_every("T9, angle form", settings, holds, context.pick(quick=60, full=500))
 
 
-def _root(value: Surd) -> Surd | object:
+def _root(value: Surd) -> Number:
     """The root of a surd as a number for ``within``; zero stays exact."""
 
     def ball_() -> Ball:
@@ -152,7 +152,7 @@ def stated_formula_covers(*, only_policy_error: bool = False, context: Context =
 
     known = (*_detour(Fraction(3, 4)), (0, 0), (0, 1))
     settings = st.one_of(st.just(known), _settings(deterministic=True))
-    return on_every("the lemma's radius contains the expert", settings, holds, context.pick(quick=40, full=300))  # type: ignore[arg-type]
+    return on_every("the lemma's radius contains the expert", settings, holds, context.pick(quick=40, full=300))
 
 
 def product_inequality(*, constant: int = 2) -> Outcome:
@@ -173,6 +173,6 @@ def monotone_in_errors(*, formula: Bound = confidence_set_radius_repaired, sign:
         for other in grid:
             for key, fixed in (("R1", "R2"), ("R2", "R1")):
                 small, large = ({key: value, fixed: other} for value in ((low, high) if sign > 0 else (high, low)))
-                rises = at_most(lambda v=small: value_of(formula, **v), lambda v=large: value_of(formula, **v))  # type: ignore[misc]
+                rises = at_most(partial(value_of, formula, **small), partial(value_of, formula, **large))
                 tally.expect(rises, f"{formula.name} falls from {small} to {large}")
     return tally.outcome(f"{formula.name} rises on a grid of 8 x 9")

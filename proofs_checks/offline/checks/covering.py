@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from functools import partial
 from itertools import product
 from math import ceil, comb, log
 
@@ -76,8 +77,8 @@ def lattice_count(*, offset: int = 0) -> Outcome:
         same = attained(logarithm, transition_log_covering_repaired, S=size, rows=2, epsilon=scale)
         tally.expect(same, f"the formula differs from log {count} at K = {size}")
         below = at_most(
-            logarithm, lambda s=size, e=scale: value_of(transition_log_covering_closed_form, S=s, rows=2, epsilon=e)
-        )  # type: ignore[misc]
+            logarithm, partial(value_of, transition_log_covering_closed_form, S=size, rows=2, epsilon=scale)
+        )
         tally.expect(below, f"the closed form is below log {count} at K = {size}, growth {growth}")
     return tally.outcome("lattice counts")
 
@@ -104,7 +105,7 @@ def two_states(*, fewer: int = 0) -> Outcome:
 
             same = attained(logarithm, transition_log_covering_two_states, S=2, rows=1, epsilon=scale)
             tally.expect(same, f"the formula differs at growth {growth}")
-            stated = at_most(logarithm, lambda e=scale: value_of(transition_log_covering_stated, S=2, A=1, epsilon=e))  # type: ignore[misc]
+            stated = at_most(logarithm, partial(value_of, transition_log_covering_stated, S=2, A=1, epsilon=scale))
             tally.expect(stated, f"the paper's lemma fails for two states at growth {growth}")
     return tally.outcome("covers of two states")
 
@@ -151,6 +152,10 @@ def corollary_tail(*, at: int = 68) -> Outcome:
     return together(rises, prove_positive("2 log x - log(x/2 + 3) - 2", gap, {"x": (at, at)}))
 
 
+def _sixteen_logs(n: int) -> Ball:
+    return 16 * ball(n).log()
+
+
 def corollary_start(*, least: int = 68) -> Outcome:
     """4 S^2 A log(nH/delta)/n < 1 needs n >= 68 when S >= 2 and nH >= 2 (or delta <= 1/2): 16 log n >= n up to 67.
 
@@ -158,9 +163,9 @@ def corollary_start(*, least: int = 68) -> Outcome:
     """
     tally = Tally()
     for n in range(2, least):
-        tally.expect(at_most(n, lambda n=n: 16 * ball(n).log()), f"16 log({n}) < {n}")  # type: ignore[misc]
-    tally.expect(at_most(1, lambda: 16 * ball(2).log()), "n = 1")
-    tally.expect(not at_most(least, lambda: 16 * ball(least).log()), f"{least} is not the first")
+        tally.expect(at_most(n, partial(_sixteen_logs, n)), f"16 log({n}) < {n}")
+    tally.expect(at_most(1, partial(_sixteen_logs, 2)), "n = 1")
+    tally.expect(not at_most(least, partial(_sixteen_logs, least)), f"{least} is not the first")
     return tally.outcome(f"the bound is vacuous up to n = {least - 1}")
 
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from math import comb, factorial, prod
+from operator import itemgetter
 
 from hypothesis import strategies as st
 from hypothesis.strategies import DrawFn
@@ -68,9 +69,9 @@ def _summed_row_kl(instance: tuple[Model, Model, list[Row]], estimated: Law) -> 
     model, estimate, _ = instance
     return sum(
         (
-            ball(p) * row_kl(estimate.kernel[s][a], model.kernel[s][a])  # type: ignore[misc]
+            ball(p) * row_kl(estimate.kernel[s][a], model.kernel[s][a])
             for d in occupancies(estimated, model.horizon)
-            for (s, a), p in d.items()  # type: ignore[misc]
+            for (s, a), p in d.items()
         ),
         start=ball(0),
     )
@@ -219,7 +220,7 @@ def visits_equal_counts(*, offset: int = 0, context: Context = QUICK) -> Outcome
     def holds(study: Study) -> bool:
         law, n = empirical_law(study), len(study.demonstrations)
         for t in range(study.model.horizon):
-            states = marginal(law, lambda h, t=t: h[2 * t])  # type: ignore[misc]
+            states = marginal(law, itemgetter(2 * t))
             counts = {s: sum(h[2 * t] == s for h in study.demonstrations) for s in range(study.model.n_states)}
             if states != {s: Fraction(c + offset, n) for s, c in counts.items() if c}:
                 return False
@@ -304,8 +305,8 @@ def policy_budget_formula(*, actions: int = 0) -> Outcome:
             same = attained(budget, policy_kl_budget, A=n_actions, visits=visits, delta=delta)
             tally.expect(same, f"the budget of {visits} for {n_actions} actions")
 
-            def radius(b: object = budget) -> Ball:
-                return (1 - (-b() / 40).exp()).sqrt()  # type: ignore[operator]
+            def radius(b: Callable[[], Ball] = budget) -> Ball:
+                return (1 - (-b() / 40).exp()).sqrt()
 
             same = attained(radius, offline_radius_stochastic, A=n_actions, n=20, visits=visits, delta=delta)
             tally.expect(same, f"the radius of {visits} for {n_actions} actions")
@@ -317,8 +318,8 @@ def policy_budget_formula(*, actions: int = 0) -> Outcome:
             same = attained(error, transition_error_counts, S=n_actions, n=20, counts=visits, delta=delta)
             tally.expect(same, f"the transition error of {visits}")
 
-            def divergence(b: object = budget) -> Ball:
-                return b() / 4  # type: ignore[operator]
+            def divergence(b: Callable[[], Ball] = budget) -> Ball:
+                return b() / 4
 
             same = attained(divergence, trajectory_kl, S=n_actions, counts=visits, ratio=Fraction(1, 4), delta=delta)
             tally.expect(same, f"the trajectory divergence of {visits}")

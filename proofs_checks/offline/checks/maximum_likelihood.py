@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
+from functools import partial
 from math import factorial, prod
 
 from hypothesis import strategies as st
@@ -21,7 +22,7 @@ from bridge_theory import (
 )
 from bridge_theory.arithmetic.flint_balls import Ball, ball
 from proofs_checks.context import Context
-from proofs_checks.exact.certify import at_most, attained, value_of, within
+from proofs_checks.exact.certify import Number, at_most, attained, scaled, value_of, within
 from proofs_checks.exact.every import QUICK, on_every
 from proofs_checks.exact.laws import row_hellinger
 from proofs_checks.exact.strategies import Row, rows
@@ -103,14 +104,14 @@ def finite_formulas(*, others: int = 1) -> Outcome:
                 tally.expect(attained(1 - stay, mle_finite_sharp, **values), f"sharp at {values}")
                 tally.expect(within(1 - stay, mle_finite_repaired, **values), f"repaired at {values}")
                 below = at_most(
-                    lambda v=values: value_of(mle_finite_repaired, **v),
-                    lambda v=values: value_of(policy_error_finite, **v),
-                )  # type: ignore[misc]
+                    partial(value_of, mle_finite_repaired, **values),
+                    partial(value_of, policy_error_finite, **values),
+                )
                 tally.expect(below, f"the paper's finite-class bound is below the repaired one at {values}")
     return tally.outcome("formulas of the finite class")
 
 
-def _worst_error(candidates: list[Row], truth: Row, counts: Counts) -> Surd:
+def _worst_error(candidates: Sequence[Row], truth: Row, counts: Counts) -> Surd:
     values = [likelihood(law, counts) for law in candidates]
     best = max(values)
     return max(row_hellinger(law, truth) for law, value in zip(candidates, values, strict=True) if value == best)
@@ -127,30 +128,24 @@ def covered_class(*, shrink: Fraction = Fraction(1)) -> Outcome:
     def scale() -> Ball:
         return ball(ratio).log()
 
+    def size() -> Ball:
+        return ball(len(centres)).log()
+
     for n, delta in ((30, Fraction(1, 2)), (60, Fraction(1, 2)), (60, Fraction(1, 10))):
         failure = _failure(
             coins,
             truth,
             n,
-            lambda n=n, delta=delta: (
-                ball(shrink)
-                * value_of(  # type: ignore[misc]
-                    mle_covering_repaired,
-                    n=n,
-                    delta=delta,
-                    log_covering=lambda: ball(len(centres)).log(),
-                    epsilon=scale,
-                )
-            ),
+            partial(scaled, shrink, mle_covering_repaired, n=n, delta=delta, log_covering=size, epsilon=scale),
         )
         tally.expect(failure <= delta, f"the error exceeds the bound with probability {float(failure):.3g} > {delta}")
     return tally.outcome("coins with a cover of 19")
 
 
-def _failure(candidates: list[Row], truth: Row, n: int, limit: object) -> Fraction:
+def _failure(candidates: Sequence[Row], truth: Row, n: int, limit: Number) -> Fraction:
     total = Fraction(0)
     for counts in samples(2, n):
-        if not at_most(_worst_error(candidates, truth, counts), limit):  # type: ignore[arg-type]
+        if not at_most(_worst_error(candidates, truth, counts), limit):
             total += probability(truth, counts)
     return total
 
@@ -161,21 +156,17 @@ def misspecified_class(*, shrink: Fraction = Fraction(1)) -> Outcome:
     truth: Row = (Fraction(1, 2), Fraction(1, 2))
     coins = [(Fraction(k, 20), Fraction(20 - k, 20)) for k in (2, 4, 13, 17)]
     chi2 = min(sum(t * t / g for t, g in zip(truth, coin, strict=True)) - 1 for coin in coins)
+
+    def size() -> Ball:
+        return ball(len(coins)).log()
+
     for n, delta in ((40, Fraction(1, 2)), (80, Fraction(1, 4))):
         failure = _failure(
             coins,
             truth,
             n,
-            lambda n=n, delta=delta: (
-                ball(shrink)
-                * value_of(  # type: ignore[misc]
-                    mle_misspecified_repaired,
-                    n=n,
-                    delta=delta,
-                    log_covering=lambda: ball(len(coins)).log(),
-                    epsilon=0,
-                    chi2=chi2,
-                )
+            partial(
+                scaled, shrink, mle_misspecified_repaired, n=n, delta=delta, log_covering=size, epsilon=0, chi2=chi2
             ),
         )
         tally.expect(failure <= delta, f"the error exceeds the bound with probability {float(failure):.3g} > {delta}")
@@ -192,10 +183,8 @@ def paper_constants_are_safe(*, sixth: Fraction = Fraction(1)) -> Outcome:
                     values = {"S": size, "n": n}
                     for formula, key in ((policy_error_stated, "delta1"), (policy_error_corollary, "delta")):
                         below = at_most(
-                            lambda v=values, d=delta: value_of(policy_error_sharp, delta=d, **v),  # type: ignore[misc]
-                            lambda f=formula, k=key, v=values, d=delta, a=actions: (  # type: ignore[misc]
-                                ball(sixth) * value_of(f, A=a, **{k: d}, **v)
-                            ),
+                            partial(value_of, policy_error_sharp, delta=delta, **values),
+                            partial(scaled, sixth, formula, A=actions, **{key: delta}, **values),
                         )
                         tally.expect(below, f"{formula.name} at S = {size}, A = {actions}, delta = {delta}, n = {n}")
     return tally.outcome("the paper's policy errors exceed the sharp one")

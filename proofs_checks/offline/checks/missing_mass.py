@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from fractions import Fraction
 from itertools import product
 from math import comb
+from operator import itemgetter
 
 from hypothesis import strategies as st
 from hypothesis.strategies import DrawFn
@@ -30,7 +31,7 @@ def _experts(draw: DrawFn) -> tuple[Model, tuple[int, ...], int]:
 
 def visited_law(model: Model, expert: tuple[int, ...]) -> dict[States, Fraction]:
     """The law of the set of states that a trajectory visits."""
-    return marginal(model.law(expert), visited)  # type: ignore[return-value]
+    return marginal(model.law(expert), visited)
 
 
 def visited(history: History) -> States:
@@ -163,7 +164,7 @@ def exact_recovery(*, states_too_many: int = 0, context: Context = QUICK) -> Out
         single = visited_law(model, expert)
         reachable = frozenset().union(*single)
         law = model.law(expert)
-        steps = [marginal(law, lambda h, t=t: h[2 * t]) for t in range(model.horizon)]  # type: ignore[misc]
+        steps = [marginal(law, itemgetter(2 * t)) for t in range(model.horizon)]
         rarest = min(p for step in steps for p in step.values())
         failure = sum((p for seen, p in union_law(single, n).items() if seen != reachable), Fraction(0))
         return failure <= (model.n_states - states_too_many) * (1 - rarest) ** n

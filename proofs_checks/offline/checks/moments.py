@@ -19,7 +19,7 @@ from bridge_theory import (
 from bridge_theory.arithmetic.flint_balls import ball
 from proofs_checks.balls import Ball, prove_positive
 from proofs_checks.context import Context
-from proofs_checks.exact.certify import attained, value_of, within
+from proofs_checks.exact.certify import Number, attained, value_of, within
 from proofs_checks.exact.every import QUICK, on_every
 from proofs_checks.exact.laws import squared_hellinger, total_variation
 from proofs_checks.exact.model import Model, point
@@ -85,7 +85,7 @@ def _variance(law: Row, values: list[Fraction]) -> Fraction:
     return sum((p * x * x for p, x in zip(law, values, strict=True)), Fraction(0)) - mean**2
 
 
-def _root_of(value: Fraction | int) -> object:
+def _root_of(value: Fraction | int) -> Number:
     def root() -> Ball:
         return ball(Fraction(value)).sqrt()
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from functools import partial
 from itertools import product
 
 from bridge_theory import (
@@ -22,10 +23,10 @@ from bridge_theory import (
     transition_error_stated,
 )
 from bridge_theory.arithmetic.flint_balls import Ball, ball
-from proofs_checks.exact.certify import at_most, value_of
+from proofs_checks.exact.certify import Number, at_most, value_of
 from proofs_checks.outcome import Outcome, Tally
 
-_BASE = {"S": 5, "A": 4, "H": 8, "delta": Fraction(1, 20)}
+_BASE: dict[str, Fraction | int] = {"S": 5, "A": 4, "H": 8, "delta": Fraction(1, 20)}
 
 
 def first_useful_n(*, one: Fraction = Fraction(1)) -> Outcome:
@@ -40,8 +41,8 @@ def first_useful_n(*, one: Fraction = Fraction(1)) -> Outcome:
         (offline_radius_repaired, 2565, {"rows": 20}),
     ):
         values = {k: v for k, v in (_BASE | extra).items() if k in formula.parameters}
-        below = at_most(lambda f=formula, v=values, n=n: value_of(f, n=n, **v), one)  # type: ignore[misc]
-        above = at_most(one, lambda f=formula, v=values, n=n: value_of(f, n=n - 1, **v))  # type: ignore[misc]
+        below = at_most(partial(value_of, formula, n=n, **values), one)
+        above = at_most(one, partial(value_of, formula, n=n - 1, **values))
         tally.expect(below and above, f"{formula.name} does not fall below {one} at n = {n} for {extra}")
     return tally.outcome("first informative sample sizes")
 
@@ -63,11 +64,7 @@ def radius_is_the_lemma(*, half: Fraction = Fraction(1, 2)) -> Outcome:
             )
 
         for formula in (offline_radius, offline_radius_appendix):
-
-            def stated(v: dict[str, Fraction | int] = values, f: object = formula) -> Ball:
-                return value_of(f, **v)  # type: ignore[arg-type]
-
-            tally.expect(_same(composed, stated), f"{formula.name} at n = {n}, gamma = {gamma}")
+            tally.expect(_same(composed, partial(value_of, formula, **values)), f"{formula.name} at {values}")
     return tally.outcome("the radius of the theorem is the radius of the lemma")
 
 
@@ -82,8 +79,8 @@ def constants_and_corollaries(*, four: int = 4, six: int = 6) -> Outcome:
         def beta(n: int = n, delta: Fraction = delta) -> Ball:
             return (four * 25 * 4 * (ball(16 * n) / ball(delta)).log()).sqrt()
 
-        tally.expect(_same(alpha, lambda d=delta: value_of(alpha_offline, S=5, A=4, delta=d)), "alpha")  # type: ignore[misc]
-        same = _same(beta, lambda n=n, d=delta: value_of(beta_offline, S=5, A=4, H=8, n=n, delta=d))  # type: ignore[misc]
+        tally.expect(_same(alpha, partial(value_of, alpha_offline, S=5, A=4, delta=delta)), "alpha")
+        same = _same(beta, partial(value_of, beta_offline, S=5, A=4, H=8, n=n, delta=delta))
         tally.expect(same, "beta")
 
         def with_six(n: int = n, delta: Fraction = delta) -> Ball:
@@ -92,7 +89,7 @@ def constants_and_corollaries(*, four: int = 4, six: int = 6) -> Outcome:
             return r1.sqrt() + r2.sqrt() * (1 + (8 * (1 + 2 * r1.sqrt() / ball(Fraction(1, 10)))).sqrt())
 
         def corollaries(n: int = n, delta: Fraction = delta) -> Ball:
-            return value_of(offline_radius_corollaries, **{**_BASE, "delta": delta}, n=n, gamma_min=Fraction(1, 10))  # type: ignore[arg-type]
+            return value_of(offline_radius_corollaries, **{**_BASE, "delta": delta}, n=n, gamma_min=Fraction(1, 10))
 
         tally.expect(_same(with_six, corollaries), f"the corollaries' radius at n = {n}")
     return tally.outcome("constants of the radius")
@@ -110,14 +107,16 @@ def known_dynamics(*, six: int = 6, diameter: int = 192) -> Outcome:
             return value_of(offline_radius_known, S=5, A=4, n=n, delta=delta) ** 2
 
         tally.expect(_same(squared, stated), f"the radius at n = {n}")
-        same = _same(stated, lambda n=n, d=delta: value_of(policy_error_corollary, S=5, A=4, n=n, delta=d))  # type: ignore[misc]
+        same = _same(stated, partial(value_of, policy_error_corollary, S=5, A=4, n=n, delta=delta))
         tally.expect(same, "the corollary's error")
 
         def feature(n: int = n, delta: Fraction = delta) -> Ball:
             return value_of(feature_difference_squared_stated, B=3, S=5, A=4, n=n, delta=delta)
 
-        scale = Fraction(diameter, 6) * 9
-        tally.expect(_same(feature, lambda s=stated, c=scale: ball(c) * s()), f"features at n = {n}")  # type: ignore[misc]
+        def multiple(n: int = n, delta: Fraction = delta) -> Ball:
+            return ball(Fraction(diameter, 6) * 9) * stated(n, delta)
+
+        tally.expect(_same(feature, multiple), f"features at n = {n}")
     return tally.outcome("known dynamics")
 
 
@@ -129,7 +128,7 @@ def growing_scaled_radius(*, exponent: Fraction = Fraction(1, 2)) -> Outcome:
     for n in values:
 
         def product_(n: int = n) -> Ball:
-            return ball(n) ** ball(exponent) * value_of(offline_radius, **_BASE, n=n, gamma_min=Fraction(1, 10))  # type: ignore[arg-type]
+            return ball(n) ** ball(exponent) * value_of(offline_radius, **_BASE, n=n, gamma_min=Fraction(1, 10))
 
         scaled.append(product_)
     tally.expect(
@@ -147,10 +146,10 @@ def proved_below_stated(*, factor: Fraction = Fraction(1)) -> Outcome:
         for n in (4 * 10**5, 10**7):
 
             def stated(n: int = n, gamma: Fraction = gamma) -> Ball:
-                return ball(factor) * value_of(offline_radius, **_BASE, n=n, gamma_min=gamma)  # type: ignore[arg-type]
+                return ball(factor) * value_of(offline_radius, **_BASE, n=n, gamma_min=gamma)
 
             for formula in (offline_radius_repaired, offline_radius_repaired_angle):
-                proved = lambda n=n, f=formula: value_of(f, S=5, H=8, n=n, delta=Fraction(1, 20), rows=20)  # type: ignore[misc]  # noqa: E731
+                proved = partial(value_of, formula, S=5, H=8, n=n, delta=Fraction(1, 20), rows=20)
                 tally.expect(at_most(proved, stated), f"{formula.name} exceeds the stated radius at n = {n}")
     return tally.outcome("the proved radii")
 
@@ -165,5 +164,5 @@ def rate_has_unit_constant(*, constant: int = 1) -> Outcome:
     return tally.outcome("O-form of the transition error")
 
 
-def _same(left: object, right: object) -> bool:
-    return at_most(left, right) and at_most(right, left)  # type: ignore[arg-type]
+def _same(left: Number, right: Number) -> bool:
+    return at_most(left, right) and at_most(right, left)

@@ -185,7 +185,7 @@ def row_errors_from_trajectories(*, ceiling: int = 2, context: Context = QUICK) 
         true, estimated = _laws(instance, steps=model.horizon, arrival=True)
         u = squared_hellinger(true, estimated)
         errors = [
-            sum((row_hellinger(model.kernel[s][a], estimate.kernel[s][a]) * p for (s, a), p in d.items()), surd(0))  # type: ignore[misc]
+            sum((row_hellinger(model.kernel[s][a], estimate.kernel[s][a]) * p for (s, a), p in d.items()), surd(0))
             for d in occupancies(true, model.horizon)
         ]
         each = all(error <= u * (ceiling - u) for error in errors)

@@ -143,7 +143,7 @@ def counting(*, alternatives: int = 1, context: Context = QUICK) -> Outcome:
         )
         dynamics = Dynamics(np.array(model.kernel, float), np.array(model.initial, float), model.horizon)
         listed = PolicySet(dynamics, np.array(center), float(squared_radius) ** 0.5).count()
-        return enumerated == counted == listed
+        return bool(enumerated == counted == listed)
 
     return on_every("counting a ball", _balls(), holds, context.pick(quick=50, full=300))
 

@@ -81,9 +81,9 @@ T11 = Repair(
             mutant("one element fewer", fewer=1),
         ),
         exact(
-            "three states: no cover is smaller than the volume allows",
-            covering.volume_bound,
-            mutant("a higher power", exponent=2),
+            "three states: a lower bound by points no two of which share an element",
+            covering.packing_bound,
+            mutant("elements twice as wide", stretch=Fraction(2)),
         ),
         proved_step(
             r"$(m+2|S|-2)/(|S|-1) \le 1/(e^\varepsilon-1)+3$ (Z3)",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 from functools import partial
-from itertools import product
+from itertools import combinations, product
 from math import ceil, comb, log
 
 from hypothesis import strategies as st
@@ -110,25 +110,25 @@ def two_states(*, fewer: int = 0) -> Outcome:
     return tally.outcome("covers of two states")
 
 
-def volume_bound(*, exponent: int = 0) -> Outcome:
-    """A cover element holds a (e^eps - 1)^(K-1) share of the simplex: no cover is smaller than its inverse.
+def packing_bound(*, stretch: Fraction = Fraction(1)) -> Outcome:
+    """Three states: points of denominator k need distinct elements once e^eps - 1 < 1/k, so N >= (k + 1)(k + 2)/2.
 
-    The lattice number stays above it; at K = 3 the share of the triangle {p <= (1 + g) q} is computed exactly.
+    One element covers p and p' only if the sum of max(p_i, p'_i) is at most e^eps; ``stretch`` widens the elements.
     """
     tally = Tally()
-    for growth in (Fraction(1, 4), Fraction(1, 3), Fraction(2, 5)):
-        q = (Fraction(1, 3),) * 3
-        corner = [
-            (1 + growth) * x for x in q
-        ]  # the three lines p_i = (1 + g)/3 bound a triangle of side 2 - sum... = g
-        side = sum(corner) - 1
-        tally.expect(side == growth, "the side of the triangle is not e^eps - 1")
-        m = ceil(2 / growth)
-        number = comb(m + 4, 2)
-        tally.expect(
-            number * side ** (2 + exponent) >= 1 and side**2 * 1 < 1, f"fewer than the volume allows at {growth}"
+    for k in (2, 3, 5):
+        growth = Fraction(99, 100 * k)
+        points = [
+            (Fraction(a, k), Fraction(b, k), Fraction(k - a - b, k)) for a in range(k + 1) for b in range(k + 1 - a)
+        ]
+        apart = all(
+            sum(max(a, b) for a, b in zip(p, q, strict=True)) > 1 + stretch * growth for p, q in combinations(points, 2)
         )
-    return tally.outcome("volume")
+        tally.expect(apart, f"two points of denominator {k} share an element")
+        tally.expect(
+            len(points) <= comb(ceil(2 / growth) + 4, 2), f"the lattice is smaller than the packing at k = {k}"
+        )
+    return tally.outcome("packings of the triangle")
 
 
 def stirling_step(*, base: Fraction = Fraction(3)) -> Outcome:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import zlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
@@ -29,6 +30,7 @@ MEANING: dict[Kind, str] = {
     "open": "neither proved nor refuted here",
 }
 
+_LONG = 60
 Check = Callable[..., Outcome]
 """``check(**variant) -> Outcome``: without arguments it checks the statement itself. A parameter called ``context``
 receives the run's `Context`."""
@@ -100,9 +102,10 @@ class Evidence:
             return ""
         function = self.check
         module, name = function.__module__.removeprefix("proofs_checks."), function.__qualname__
-        if not self.arguments:
-            return f"{module}.{name}"
-        return f"{module}.{name}({', '.join(f'{key}={value!r}' for key, value in sorted(self.arguments.items()))})"
+        given = ", ".join(f"{key}={value!r}" for key, value in sorted(self.arguments.items()))
+        if len(given) > _LONG:  # a name has to fit into a line
+            given = f"{given[:_LONG]}... {zlib.crc32(given.encode()):08x}"
+        return f"{module}.{name}({given})" if given else f"{module}.{name}"
 
 
 def kernel_checked(words: str, check: Check, *mutants: Mutant, full_only: bool = False, **arguments: Any) -> Evidence:

@@ -19,19 +19,28 @@ def undefined_counts(*, counts: tuple[int, ...] = (0, 1)) -> Outcome:
     """6 log N / delta is not positive, so its logarithm has no real value, and the package refuses to give one."""
     import sympy
 
-    from bridge_theory.errors import UndefinedInPaperError
-
     tally = Tally()
     for N in counts:
         inner = 6 * sympy.log(sympy.Integer(N)) / sympy.Rational(1, 20)
         tally.expect(inner.is_positive is not True, f"log log N has a value at N = {N}")
-        refused = False
-        try:
-            theory.xi.enclosure(N=N, **_SIZE)
-        except UndefinedInPaperError:
-            refused = True
-        tally.expect(refused, f"the package evaluates xi at N = {N}")
+        tally.expect(not _has_value((N, N)), f"the package evaluates xi at N = {N}")
+    for cells, wanted in (((1000, 1), False), ((2, 1000), True)):
+        tally.expect(
+            _has_value(cells) == wanted, f"the bonus of a policy with counts {cells} has a value: {not wanted}"
+        )
     return tally.outcome(f"N in {counts}")
+
+
+def _has_value(counts: tuple[int, ...]) -> bool:
+    from bridge_theory.errors import UndefinedInPaperError
+
+    try:
+        theory.empirical_bonus.estimate(occupancy=(0.5, 0.5), counts=counts, **{**_SIZE, "delta": 0.05})
+        for N in counts:
+            theory.xi.enclosure(N=N, **_SIZE)
+    except UndefinedInPaperError:
+        return False
+    return True
 
 
 def undefined_first_round(*, first: int = 1) -> Outcome:

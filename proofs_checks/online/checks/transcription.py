@@ -29,7 +29,7 @@ POINTS: tuple[Mapping[str, Any], ...] = (
      "log_covering": 4.0, "Delta_n": 0.001, "radius": 0.01, "R2": 0.0002, "diameter": 0.05, "square_sum": 0.4, "L": 0.3,
      "v": 2.0, "gamma": 30.0, "norm_sum": 0.5, "bonus_square_sum": 0.2, "log_det_ratio": 0.3, "residual": 0.0,
      "true_bonus": 0.3, "optimism": 9.0, "norm": 0.1, "bonus_sum": 0.7, "width_sum": 0.3, "potential": 0.2, "C": 0.4},
-    {"S": 3, "A": 2, "H": 2, "n": 50, "T": 10**14, "t": 7, "K": 2, "d": 1, "B": 0.3, "W": 0.5, "lam": 1.2, "N": 5,
+    {"S": 3, "A": 2, "H": 2, "n": 50, "T": 10**7, "t": 7, "K": 2, "d": 1, "B": 1.0, "W": 0.8, "lam": 1.2, "N": 5,
      "eta": 0.9, "epsilon": 0.4, "delta": 0.11, "delta_w": 0.21, "delta_V": 0.31, "delta_P": 0.12, "delta_F": 0.22,
      "delta_M": 0.32, "delta_off": 0.13, "delta_martingale": 0.23, "gamma_min": 0.4, "S_reach": 4, "uncovered": 1,
      "log_covering": 2.0, "Delta_n": 0.9, "radius": 0.9, "R2": 0.8, "diameter": 1e-6, "square_sum": 3.0, "L": 0.0,
@@ -175,6 +175,14 @@ def edges(*, shift: float = 1e-6) -> Outcome:
             except InputError:
                 allowed = False
             tally.expect(allowed == wanted, f"{name} at {parameter} = {values[parameter]} is allowed: {allowed}")
+    from proofs_checks.online.checks.transcription_regret import REGRET
+
+    for name in ("squared_bonus_sum_repaired", "bonus_sum_repaired"):
+        for n in (223, 224):  # n gamma_min / 2 passes the batch size 2 (H - 1) = 14 at 224
+            formula = getattr(bridge_theory, name)
+            values = {key: point[key] for key in formula.parameters} | {"n": n, "gamma_min": 0.125}
+            value, expected = float(formula.estimate(**values)), REGRET[name](**values)
+            tally.expect(bool(abs(value - expected) <= _ROUNDING * expected), f"{name} is {value} at n = {n}")
     return tally.outcome("limits of the conditions")
 
 
@@ -194,6 +202,12 @@ def tables(*, factor: float = 1.0) -> Outcome:
         value = float(getattr(bridge_theory, name).estimate(occupancy=occupancy, counts=counts, **extra))
         wanted = factor * expected
         tally.expect(bool(abs(value - wanted) <= _ROUNDING * wanted), f"{name} is {value!r}, not {wanted!r}")
-    few = float(bridge_theory.transition_bonus.estimate(occupancy=(0.5,), counts=(0,), S=5, A=4, eta=1.3, delta_P=0.05))
-    tally.expect(bool(abs(few - factor * 1.3) < _ROUNDING), f"an unseen cell used half of the time costs {few}")
+    for uses, wanted in ((0.5, 1.3), (5.0, 2 * 1.3)):  # an unseen cell has radius 2, and no bonus exceeds 2 eta
+        unseen = bridge_theory.transition_bonus.estimate(
+            occupancy=(uses,), counts=(0,), S=5, A=4, eta=1.3, delta_P=0.05
+        )
+        tally.expect(bool(abs(float(unseen) - factor * wanted) < _ROUNDING), f"an unseen cell costs {unseen}")
+    for N in (0, 1):
+        value = float(bridge_theory.xi_repaired.estimate(N=N, **size))
+        tally.expect(bool(abs(value - factor * 2.6) < _ROUNDING), f"xi_repaired is {value} at N = {N}")
     return tally.outcome("bonuses of a policy")

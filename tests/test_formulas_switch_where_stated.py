@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import log, sqrt
 from typing import Any
 
 import pytest
@@ -67,7 +68,47 @@ def test_the_printed_bonus_is_repaired_exactly_where_it_has_no_value() -> None:
     assert at("bonus_radius", N=1000) < 2
 
 
-def test_the_offline_covers_need_two_states() -> None:
-    cover_free = {"S": 1, "rows": 1, "delta": 0.25, "n": 40}
-    for name in ("transition_error_infimum", "transition_error_closed_form", "transition_error_repaired"):
-        assert at(name, **cover_free) < at(name, **{**cover_free, "S": 2})
+def test_the_l1_radius_and_bonus_are_capped_and_no_more() -> None:
+    assert at("bonus_radius", N=1) == 2
+    assert at("bonus_radius", S=1, A=1, delta_P=0.875, N=1) == pytest.approx(sqrt(2 * (log(2) + log(2 / 0.875))))
+    row = at("bonus_radius", N=4000)
+    assert at("transition_bonus", occupancy=[0.25], counts=[4000]) == pytest.approx(POINT["eta"] * 0.25 * row)
+
+
+def test_a_single_state_needs_no_cover_and_two_states_need_one() -> None:
+    alone, pair = {"S": 1, "rows": 2, "n": 40}, {"S": 2, "A": 2, "rows": 2, "n": 40}
+    confidence = log(1 / POINT["delta"]) / 40
+    assert at("transition_error_infimum", **alone) == pytest.approx(6 * (log(2) / 40 + confidence))
+    assert at("transition_error_closed_form", **alone) == pytest.approx(2 * confidence)
+    assert at("transition_error_repaired", **alone) == pytest.approx(2 * confidence)
+    assert at("transition_error_closed_form", **pair) == pytest.approx(4 / 40 * (log(63) + 2) + 2 * confidence)
+    assert at("transition_error_infimum", **pair) > at("transition_error_infimum", **alone) + 0.1
+    assert at("transition_error_repaired", **pair) > at("transition_error_repaired", **alone) + 0.1
+
+
+def test_probabilities_are_capped_at_one() -> None:
+    assert at("delta_n_known", radius=0.9) == 1
+    assert at("delta_n_known_deterministic", radius=0.9) == 1
+    assert at("delta_n_unknown", radius=0.9, R2=0.25) == 1
+    assert at("delta_n_unknown_deterministic", radius=0.9, R2=0.25) == 1
+    assert at("delta_n_version_space", n=1, delta_off=0.125) == 1
+
+
+def test_degenerate_points_have_their_limits() -> None:
+    assert at("potential_factor", L=0, v=2) == 1
+    # the floor 1 inside log log: 4 eta^2 H t is 0.36 and 0.72 below it, 1.44 above
+    early, later = ({"eta": 0.3, "H": 1, "T": 2, "epsilon": 0.5, "t": t} for t in (2, 4))
+    assert at("squared_true_bonus_sum_stated", **early) < at("squared_true_bonus_sum_stated", **later)
+    # one uncovered pair: the logarithm divides by one
+    few = {"n": 10**6, "uncovered": 1, "log_covering": 2}
+    visits = 2 * POINT["T"] * (POINT["H"] - 1)
+    size = 32 * POINT["eta"] ** 2
+    covered = 2 * size * POINT["S_reach"] * log(1 + 2 * visits / (POINT["S_reach"] * 10**6 * POINT["gamma_min"]))
+    uncovered = 2 * size * log(1 + visits) + 16 * POINT["eta"] ** 2 * (POINT["H"] - 1)
+    assert at("squared_bonus_sum_repaired", **few) == pytest.approx(covered + uncovered)
+
+
+def test_the_sharp_ratio_switches_at_its_threshold() -> None:
+    # (1 - R)^2 = 0.49: below it the formula, above it 1 / gamma_min
+    assert at("concentrability_sharp", R=0.3, gamma_min=0.4) == pytest.approx((0.7 + sqrt(0.51 * 1.5)) ** 2)
+    assert at("concentrability_sharp", R=0.3, gamma_min=0.5) == pytest.approx(2)

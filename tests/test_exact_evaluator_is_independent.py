@@ -39,6 +39,15 @@ def test_equal_numbers_written_differently_are_equal() -> None:
     assert root(Fraction(1, 2)) != Fraction(7, 10)
 
 
+@given(st.integers(1, 10**24), st.integers(1, 10**6))
+def test_squares_are_taken_out_of_large_radicands(k: int, square: int) -> None:
+    assert root(k * square**2) == square * root(k)
+
+
+def test_a_prime_that_python_flint_lists_twice_is_one_square() -> None:
+    assert root(27805777972861556333667) == 166667 * root(1001004003003)
+
+
 def test_a_difference_in_the_fortieth_digit_is_seen() -> None:
     digits = Fraction(int(float(2**0.5) * 10**16), 10**16)
     for _ in range(3):

@@ -7,10 +7,11 @@ one shows its sign at some finite precision. Comparisons therefore always termin
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, total_ordering
-from math import gcd, isqrt
+from math import gcd, isqrt, prod
 
 from flint import fmpz
 
@@ -140,10 +141,13 @@ def at_most_roots(value: Exact, *parts: tuple[Rational, Exact]) -> bool:
 @cache
 def _split_square(number: int) -> tuple[int, int]:
     """``number = outside^2 * inside`` with ``inside`` squarefree."""
-    outside, inside = 1, 1
-    for prime, power in fmpz(number).factor() if number else ((0, 1),):
-        outside *= int(prime) ** (power // 2)
-        inside *= int(prime) ** (power % 2)
+    if number == 0:
+        return 1, 0
+    powers: Counter[int] = Counter()
+    for prime, power in fmpz(number).factor():  # python-flint 0.9 may list one prime twice
+        powers[int(prime)] += power
+    outside = prod(prime ** (power // 2) for prime, power in powers.items())
+    inside = prod(prime for prime, power in powers.items() if power % 2)
     return outside, inside
 
 

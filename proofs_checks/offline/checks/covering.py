@@ -118,9 +118,8 @@ def packing_bound(*, stretch: Fraction = Fraction(1)) -> Outcome:
     tally = Tally()
     for k in (2, 3, 5):
         growth = Fraction(99, 100 * k)
-        points = [
-            (Fraction(a, k), Fraction(b, k), Fraction(k - a - b, k)) for a in range(k + 1) for b in range(k + 1 - a)
-        ]
+        corners = [(a, b) for a in range(k + 1) for b in range(k + 1 - a)]
+        points = [(Fraction(a, k), Fraction(b, k), Fraction(k - a - b, k)) for a, b in corners]
         apart = all(
             sum(max(a, b) for a, b in zip(p, q, strict=True)) > 1 + stretch * growth for p, q in combinations(points, 2)
         )

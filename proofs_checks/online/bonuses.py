@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from proofs_checks.claim import Claim, Repair
-from proofs_checks.evidence import covered, exact, mutant, proved, refuted
+from proofs_checks.evidence import covered, exact, mutant, proved, proved_step, refuted
 from proofs_checks.online.checks import bonus, transcription
 from proofs_checks.online.evidence import text
 
@@ -49,7 +49,7 @@ R6 = Repair(
             bonus.rows_are_covered,
             mutant("a third of the radius", scale=0.35),
         ),
-        proved(
+        proved_step(
             r"$\sum_N1/(N(N+1)) = 1$ telescopes",
             bonus.weights_sum_to_one,
             mutant("weights 1/(N(N+2))", shift=2),
@@ -77,14 +77,14 @@ C8 = Repair(
     formulas=("xi_repaired",),
 )
 
-_RELATION = proved(
+_RELATION = proved_step(
     r"$\hat B \le \operatorname{E}f + B + \varepsilon$ and $\operatorname{E}f \le B$ give $\hat B \le 2B + "
     r"\varepsilon$; centring $f$ "
     r"gives the factor $1 + 1/H$",
     bonus.relation_of_bonuses,
     mutant("factor 1", factor=1),
 )
-_LINEAR = proved(
+_LINEAR = proved_step(
     r"$\xi(2\eta) = 2\xi(\eta)$",
     bonus.linear_in_eta,
     mutant("three times", factor=3),

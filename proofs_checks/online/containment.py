@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from proofs_checks.claim import Claim, Repair
-from proofs_checks.evidence import Evidence, covered, mutant, proved, refuted, unsettled
+from proofs_checks.evidence import Evidence, covered, mutant, proved_step, refuted, unsettled
 from proofs_checks.online.checks import containment, environments
 from proofs_checks.online.evidence import text
 
@@ -26,7 +26,7 @@ def _runs(known: bool, environment: str) -> Evidence:
 RUNS_KNOWN = tuple(_runs(True, environment) for environment in FAMILIES)
 RUNS_UNKNOWN = tuple(_runs(False, environment) for environment in FAMILIES)
 
-_IMPLICATION = proved(
+_IMPLICATION = proved_step(
     r"$\lvert\langle\phi^* - \phi', w_t - w^*\rangle\rvert \le \rho_t\lVert\phi^* - \phi'\rVert$ and errors within the "
     r"bonuses give a nonnegative optimistic advantage",
     containment.containment,
@@ -64,13 +64,13 @@ R4 = Repair(
     r"hindsight over $\Pi_{\text{off}}$ with the weights and the matrix after round $T$. Always $R_T \le 2BWT$.",
     assumptions=("containment (R2)", "the width bound needs the exact arg-max pair; the other two do not"),
     evidence=(
-        proved(
+        proved_step(
             r"$r_t \le 2O_t(\pi_t^1, \pi_t^2)$ from $\pi^*, \pi_t^1, \pi_t^2 \in \Pi_t$ and the arg-max",
             containment.regret_from_width,
             mutant("factor 1", factor=1),
             mutant("the constraint of the best policy, as in the paper's proof", paper_sign=True),
         ),
-        proved(
+        proved_step(
             r"$U_t(\pi, \pi_i) \le 2O_t(\pi, \pi_i)$, hence $B_{\text{ucb}} \le B_{\text{width}}$",
             containment.refined_width,
             mutant("factor 1", factor=1),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from proofs_checks.evidence import Evidence, exact, mutant, proved
+from proofs_checks.evidence import Evidence, exact, mutant, proved_step
 from proofs_checks.online.checks import directions as checks
 from proofs_checks.online.checks import transcription
 
@@ -19,4 +19,4 @@ def directions(group: str) -> Evidence:
         f"every {group} formula moves in its declared directions: the derivative's sign over whole intervals of "
         "one parameter, the others at a reference setting"
     )
-    return proved(words, checks.directions, mutant("the opposite directions", flipped=True), group=group)
+    return proved_step(words, checks.directions, mutant("the opposite directions", flipped=True), group=group)

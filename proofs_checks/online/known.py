@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from proofs_checks.claim import Claim, Repair
-from proofs_checks.evidence import covered, exact, mutant, proved, refuted
+from proofs_checks.evidence import covered, exact, mutant, proved_step, refuted
 from proofs_checks.online.checks import containment, offline_gain, potential
 from proofs_checks.online.containment import R4
 from proofs_checks.online.evidence import text
 from proofs_checks.online.matrices import SUPERMARTINGALE, SUPERMARTINGALE_PROOF
 from proofs_checks.online.offline_gain import R8
 
-_PRICE = proved(
+_PRICE = proved_step(
     r"$u/\log(1+u)$ rises for $u > 0$",
     potential.price_of_a_step,
     mutant("numerator's derivative u/(1+u)", power=1),
@@ -26,7 +26,7 @@ R3 = Repair(
     r"x_t\rVert^2}{dv}\Bigr)}.$$ $c(a) \le 2$ exactly for $a \le 2.51286\ldots$",
     evidence=(
         _PRICE,
-        proved(
+        proved_step(
             r"$c(a) = 2$ between $2.512862417$ and $2.512862418$",
             potential.factor_two_range,
             mutant("at 2.5", edge="2.5"),
@@ -81,12 +81,12 @@ R11 = Repair(
     r"\min\{3.3\,TWD,\ 2\gamma\sqrt{dT\log2}\}$: beyond the trivial bound $TWD$ offline data gain only inside a "
     r"logarithm.",
     evidence=(
-        proved(
+        proved_step(
             r"$\log(1+x) \ge x\log2$ on $[0,1]$",
             potential.logarithm_above_chord,
             mutant("a tenth more", factor="11/10"),
         ),
-        proved(
+        proved_step(
             r"the bound is above the floor for $T \le 8$, $D \in [1/2, 2]$",
             potential.floor_of_the_log_bound,
             mutant("twice the floor", scale=2),
@@ -97,7 +97,7 @@ R11 = Repair(
     formulas=("elliptical_floor",),
 )
 
-_TRIVIAL_REGIME = proved(
+_TRIVIAL_REGIME = proved_step(
     r"$x \le \sqrt{dx}$ for $0 \le x \le d$: the trivial bound $24BWTS\log(A/\delta)/n$ is of the claimed order",
     offline_gain.trivial_regime,
     mutant("also for x up to 2d", beyond=2),
@@ -123,7 +123,7 @@ CLAIMS = (
         verdict="true",
         statement=r"$\sum_ta_t \le \sqrt{T\sum_ta_t^2}$.",
         because="Cauchy-Schwarz; without the square it fails as soon as the sum exceeds T.",
-        evidence=(proved("two rounds", containment.cauchy_schwarz, mutant("without the squares", exponent=1)),),
+        evidence=(proved_step("two rounds", containment.cauchy_schwarz, mutant("without the squares", exponent=1)),),
     ),
     Claim(
         label="lemma:feature_diff_bound",
@@ -242,7 +242,7 @@ CLAIMS = (
         because=r"$d\log(1 + x/d)$ rises with $d$, so a larger dimension never lowers the bound.",
         evidence=(
             refuted("online-dimension"),
-            proved(
+            proved_step(
                 r"the derivative in $d$ is $\log(1+y) - y/(1+y) > 0$ at $y = x/d$",
                 potential.dimension_helps_not,
                 mutant("a plus sign", sign=-1),

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from proofs_checks.claim import Claim, Repair
-from proofs_checks.evidence import cited, covered, mutant, proved, refuted
+from proofs_checks.evidence import cited, covered, mutant, proved, proved_step, refuted
 from proofs_checks.online.checks import matrices
 from proofs_checks.online.evidence import text
 
 SUPERMARTINGALE = (
-    proved(
+    proved_step(
         r"$e^{-z} \le 1 - (1 - 1/e)z$ on $[0,1]$ and $1 - y \le e^{-y}$",
         matrices.exponential_moment,
         mutant("slope twice as steep", slope=2),
@@ -37,7 +37,7 @@ R9 = Repair(
     assumptions=("one comparison a round; the projection is exact",),
     evidence=(
         *SUPERMARTINGALE,
-        proved(
+        proved_step(
             r"$\frac{e}{e-1} \le 2$ and the sharp constants are at most the rounded ones",
             matrices.rounded_constants,
             mutant("25 instead of 27", constant=25),
@@ -137,7 +137,7 @@ CLAIMS = (
                 r"$\lVert z\rVert_{\overline V_t} \le \sqrt2\lVert z\rVert_{\overline V_t^{P^*}} + "
                 r"2\sqrt{\sum_i\sum_{l<t}b_l(\pi_l^i)^2}$ with bonuses at $\eta = 2WB$.",
                 evidence=(
-                    proved(
+                    proved_step(
                         r"$(a+b)^2 \le 2a^2 + 2b^2$, once for the error and once for the two policies",
                         matrices.doubling,
                         mutant("without doubling", factor=1),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from proofs_checks.claim import Claim, Repair
-from proofs_checks.evidence import exact, mutant, proved
+from proofs_checks.evidence import exact, mutant, proved_step
 from proofs_checks.online.checks import environments, offline_gain
 
 R8 = Repair(
@@ -81,7 +81,7 @@ R10 = Repair(
             offline_gain.chernoff,
             mutant("exponent divided by 2 instead of 8", rate=2),
         ),
-        proved(
+        proved_step(
             r"a covered pair costs at most $4\eta\sqrt{2U/(n\gamma_{\min})}$",
             offline_gain.covered_bonus,
             mutant("3 instead of 4", offset=1),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from proofs_checks.claim import Claim, Repair
-from proofs_checks.evidence import exact, mutant, proved, refuted, unsettled
+from proofs_checks.evidence import exact, mutant, proved_step, refuted, unsettled
 from proofs_checks.online.bonuses import R6
 from proofs_checks.online.checks import bonus, companions, containment, offline_gain, transcription
 from proofs_checks.online.checks.transcription_regret import REGRET
@@ -86,7 +86,7 @@ CLAIMS = (
         because="True for any algorithm that stays in the offline set, by R8; the online stage plays no part in it.",
         evidence=(
             *R8.evidence[:3],
-            proved(
+            proved_step(
                 r"for $n \ge T$ the first term is between $0.83$ and $1$ times $T/\sqrt n$, the order of the trivial "
                 r"bound",
                 offline_gain.growth_of_the_first_term,
@@ -117,17 +117,17 @@ CLAIMS = (
         "and a sign of the decomposition is wrong; with the square the statement follows from R4's argument.",
         evidence=(
             unsettled("large norms need a small regulariser, for which no violation by the algorithm is known"),
-            proved(
+            proved_step(
                 r"$2r_t \le 4\gamma_t\lVert\delta\pi_t\rVert + 4(\hat B_1 + \hat B_2)$ at $\eta = 2WB$",
                 containment.regret_with_bonuses,
                 mutant("the paper's factors 1 and 8", norm_factor=1, bonus_factor=8),
             ),
-            proved(
+            proved_step(
                 r"$\hat B^2 \le 4B^2 + 48\varepsilon H^2WB$",
                 containment.squared_bonus,
                 mutant("without the second term", constant=0),
             ),
-            proved(
+            proved_step(
                 "Cauchy-Schwarz needs the squares",
                 containment.cauchy_schwarz,
                 mutant("without the squares", exponent=1),
@@ -266,7 +266,7 @@ CLAIMS = (
                 name="D.8",
                 title="three squares",
                 statement=r"$\lVert a + b + c\rVert^2 \le 3(\lVert a\rVert^2 + \lVert b\rVert^2 + \lVert c\rVert^2)$.",
-                evidence=(proved("coordinatewise", bonus.three_terms, mutant("factor 2", factor=2)),),
+                evidence=(proved_step("coordinatewise", bonus.three_terms, mutant("factor 2", factor=2)),),
                 proof="Cauchy-Schwarz with three ones.",
             ),
         ),
@@ -305,7 +305,7 @@ CLAIMS = (
         "guarantees; its algebra is right.",
         evidence=(
             unsettled("true under coverage of every pair the policy uses, offline and online"),
-            proved(
+            proved_step(
                 r"$\frac{t}{(n+t)^2} + \frac{t^2}{(n+t)^2n} = \frac{t}{n(n+t)}$ and its sum is $T/n - (H_{n+T} - H_n)$",
                 bonus.drift_identity,
                 mutant("t instead of t squared", power=1),

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from proofs_checks.claim import Claim, Repair
-from proofs_checks.evidence import covered, mutant, proved, refuted, unsettled
+from proofs_checks.evidence import covered, mutant, proved_step, refuted, unsettled
 from proofs_checks.online.checks import link, weights
 from proofs_checks.online.evidence import directions, text
 
-_MATRIX_STEP = proved(
+_MATRIX_STEP = proved_step(
     r"$\kappa g \ge v > 0$ gives $v/g^2 \le \kappa^2/v$: eigenvalue by eigenvalue, $G^{-1}VG^{-1} \preceq "
     r"\kappa^2V^{-1}$",
     weights.matrix_step,
@@ -29,7 +29,7 @@ R1 = Repair(
     ),
     evidence=(
         _MATRIX_STEP,
-        proved(
+        proved_step(
             r"$1/\sigma'(x) = 2 + 2\cosh x$ rises with $|x|$, so the mean slope between $w$ and $w^*$ is at least "
             r"$1/\kappa$",
             link.largest_at_the_end,
@@ -58,12 +58,12 @@ R1 = Repair(
     formulas=("beta_repaired_logdet", "beta_repaired", "confidence_radius_repaired", "kappa_differences"),
 )
 
-_FOURTH_POWER = proved(
+_FOURTH_POWER = proved_step(
     r"$(1+u)^4 - 1 - 4u = u^2(6 + 4u + u^2) \ge 0$: $B^2$ in place of $4B^2$ inside the logarithm is harmless",
     weights.fourth_power,
     mutant("constant 5", constant=5),
 )
-_STATED_IS_WIDER = proved(
+_STATED_IS_WIDER = proved_step(
     r"$\beta_t$ as printed is at least $\sqrt2$ times the sharp one with the same $\kappa \ge 4$",
     weights.stated_is_wider,
     mutant("twice", factor=4),
@@ -155,7 +155,7 @@ CLAIMS = (
                 weights.ellipsoid_as_stated,
                 mutant("a thirtieth of the radius", scale=1 / 30),
             ),
-            proved(
+            proved_step(
                 r"$\kappa_2 \le \sqrt2\,\kappa$ for $BW \le 7/10$",
                 weights.small_products,
                 mutant("up to BW = 8/10", largest="8/10"),

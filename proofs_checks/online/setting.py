@@ -36,7 +36,7 @@ CLAIMS = (
         verdict="definition",
         statement=r"$\lVert\phi(\tau)\rVert_2 \le B$ for all $\tau$ and $\lVert w^*\rVert_2 \le W$.",
         because="An assumption; every bound on differences follows with $2B$ by the triangle inequality.",
-        evidence=(directions("offline"),),
+        evidence=(directions("offline"), text("kappa", "kappa_differences")),
     ),
     Claim(
         label="local:kappa",
@@ -48,7 +48,6 @@ CLAIMS = (
         because=r"$1/\sigma'(x) = 2 + 2\cosh x$ rises with $|x|$, and $|\langle w, x\rangle| \le BW$ is attained.",
         evidence=(
             _CLOSED_FORM,
-            text("kappa", "kappa_differences"),
             proved(
                 r"$\cosh a - \cosh c = 2\sinh\frac{a+c}2\sinh\frac{a-c}2 > 0$ for $a > c \ge 0$",
                 link.largest_at_the_end,

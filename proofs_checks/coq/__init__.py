@@ -1,0 +1,1 @@
+"""Proofs for Coq's kernel; compiled in a temporary folder, where ``coqc`` is installed."""

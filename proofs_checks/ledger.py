@@ -1,0 +1,62 @@
+"""All claims in the order of the paper, and everything that can be asked of them without running a check."""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from collections.abc import Iterator
+from functools import cache
+
+from bridge_theory import paper
+from bridge_theory.errors import InputError
+from proofs_checks.claim import Claim, Repair
+from proofs_checks.evidence import Evidence
+
+_ROOMS = ("proofs_checks.offline", "proofs_checks.online", "proofs_checks.apparatus")
+
+
+@cache
+def claims() -> tuple[Claim, ...]:
+    """Every claim, in the order of the paper; parts of one statement in the order of their module."""
+    found = [claim for module in _modules() for claim in getattr(importlib.import_module(module), "CLAIMS", ())]
+    order = {name: position for position, name in enumerate(paper.entries())}
+    return tuple(sorted(found, key=lambda claim: (order[claim.label], bool(claim.part))))
+
+
+def repairs() -> tuple[Repair, ...]:
+    """Every repaired statement once, in the order in which the claims first need it."""
+    return tuple({repair.name: repair for claim in claims() for repair in claim.repairs}.values())
+
+
+@cache
+def evidence_by_key() -> dict[str, Evidence]:
+    """Every piece of evidence that can be run, by its key; shared evidence appears once."""
+    return {item.key: item for claim in claims() for item in all_evidence(claim) if item.check is not None}
+
+
+def all_evidence(claim: Claim) -> Iterator[Evidence]:
+    """The claim's own evidence, then that of its repaired forms."""
+    yield from claim.evidence
+    for repair in claim.repairs:
+        yield from repair.evidence
+
+
+def matching(text: str) -> tuple[Claim, ...]:
+    """The claims whose label, part or name of a repaired form contains ``text`` (all of them for an empty text).
+
+    Errors: ``InputError`` if there is none.
+    """
+    exact = tuple(claim for claim in claims() if text in (claim.key, claim.label, *(r.name for r in claim.repairs)))
+    wanted = text.lower()
+    found = exact or tuple(claim for claim in claims() if wanted in claim.key.lower())
+    if not found:
+        raise InputError(f"no claim's label contains {text!r}; 'bridge-rl check --list' shows all labels")
+    return found
+
+
+def _modules() -> Iterator[str]:
+    for room in _ROOMS:
+        package = importlib.import_module(room)
+        for module in pkgutil.iter_modules(package.__path__):
+            if not module.ispkg:
+                yield f"{room}.{module.name}"

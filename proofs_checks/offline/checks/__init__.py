@@ -1,0 +1,1 @@
+"""Check functions: each returns an ``Outcome`` and takes the constants that its mutants change."""

@@ -1,0 +1,1 @@
+"""The online half of the ledger: one module a topic, its checks beside it in ``checks``."""

@@ -1,0 +1,1 @@
+"""Checks of the online claims; heavy imports stay inside the functions."""

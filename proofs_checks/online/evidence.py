@@ -1,0 +1,22 @@
+"""Evidence that several claims of this half share."""
+
+from __future__ import annotations
+
+from proofs_checks.evidence import Evidence, exact, mutant, proved_step
+from proofs_checks.online.checks import directions as checks
+from proofs_checks.online.checks import transcription
+
+
+def text(*names: str) -> Evidence:
+    """That bridge_theory evaluates the printed formulas: a second transcription agrees."""
+    words = "the formulas of bridge_theory agree with a second transcription of the text"
+    return exact(words, transcription.formulas, mutant("a thousandth more", factor=1.001), names=names)
+
+
+def directions(group: str) -> Evidence:
+    """That the formulas of a group move as declared, which ``solve_for`` relies on."""
+    words = (
+        f"every {group} formula moves in its declared directions: the derivative's sign over whole intervals of "
+        "one parameter, the others at a reference setting"
+    )
+    return proved_step(words, checks.directions, mutant("the opposite directions", flipped=True), group=group)

@@ -165,10 +165,11 @@ T12 = Repair(
             mutant("a millionth more", shift=Fraction(1, 10**6)),
         ),
     ),
-    proof=r"""$\lVert\sum f(p-q)\rVert \le 2b\operatorname{TV}$ and T0. For the covariance reduce to a scalar and
-        write $P = (1-t)\nu + t\alpha$, $Q = (1-t)\nu + t\beta$: with $a = |\mu_\alpha| \le 1$ the gain in variance is
-        at most $t(1-a^2) + t(1-t)(1+a)^2$; maximise over $a$. Two laws within $r$ of a third are at an angle of at
-        most $2\arccos(1-r^2)$; for deterministic policies $\operatorname{TV} = H^2$ and disagreements add.""",
+    proof=r"""$\lVert\sum f(p-q)\rVert \le 2b\operatorname{TV}$, and total variation by Hellinger. For the covariance
+        reduce to a scalar and write $P = (1-t)\nu + t\alpha$, $Q = (1-t)\nu + t\beta$: with $a = |\mu_\alpha| \le 1$
+        the gain in variance is at most $t(1-a^2) + t(1-t)(1+a)^2$; maximise over $a$. Two laws within $r$ of a third
+        are at an angle of at most $2\arccos(1-r^2)$; for deterministic policies $\operatorname{TV} = H^2$ and
+        disagreements add.""",
     formulas=("mean_difference_sharp", "covariance_difference_sharp", "feature_difference_repaired"),
 )
 

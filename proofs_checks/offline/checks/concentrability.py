@@ -92,7 +92,7 @@ def holds_for_all_policies(
         ratio, gamma = _extremes(*laws, model.horizon)
         return within(ratio, formula, R=distance, gamma_min=gamma)
 
-    return on_every(f"C <= {formula.name}", _policies(), holds, context.pick(quick=60, full=400))
+    return on_every(f"C <= {formula.name}", _policies(), holds, context.pick(quick=60, full=200))
 
 
 def holds_for_deterministic_policies(*, share: Fraction = Fraction(1), context: Context = QUICK) -> Outcome:
@@ -103,7 +103,7 @@ def holds_for_deterministic_policies(*, share: Fraction = Fraction(1), context: 
         ratio, gamma = _extremes(*laws, pair.model.horizon)
         return within(ratio, concentrability_deterministic, R=squared_hellinger(*laws) * share, gamma_min=gamma)
 
-    return on_every("C <= 1 + R/gamma", pairs(), holds, context.pick(quick=60, full=400))
+    return on_every("C <= 1 + R/gamma", pairs(), holds, context.pick(quick=60, full=200))
 
 
 def attained_by_two_actions(*, shift: Fraction = Fraction(0)) -> Outcome:

@@ -65,7 +65,7 @@ def any_policies(*, factor: Fraction = Fraction(2), context: Context = QUICK) ->
 
     known = _as_choices((*_detour(Fraction(3, 4)), (0, 0), (0, 1)))
     settings = st.one_of(st.just(known), _settings(), _settings(deterministic=True).map(_as_choices))
-    return on_every("T9, any policies", settings, holds, context.pick(quick=60, full=500))
+    return on_every("T9, any policies", settings, holds, context.pick(quick=60, full=220))
 
 
 def deterministic_policies(*, squared_factor: Fraction = Fraction(2), context: Context = QUICK) -> Outcome:
@@ -77,7 +77,7 @@ def deterministic_policies(*, squared_factor: Fraction = Fraction(2), context: C
         return exact and within(_root(k), confidence_set_radius_deterministic, R1=r1, R2=r2)
 
     settings = _settings(deterministic=True)
-    return on_every("T9, deterministic policies", settings, holds, context.pick(quick=60, full=500))
+    return on_every("T9, deterministic policies", settings, holds, context.pick(quick=60, full=220))
 
 
 def angle_form(*, share: Fraction = Fraction(1), context: Context = QUICK) -> Outcome:
@@ -89,7 +89,7 @@ def angle_form(*, share: Fraction = Fraction(1), context: Context = QUICK) -> Ou
 
     known = (*_detour(Fraction(3, 4)), (0, 0), (0, 1))
     settings = st.one_of(st.just(known), _settings(deterministic=True))
-    return on_every("T9, angle form", settings, holds, context.pick(quick=60, full=500))
+    return on_every("T9, angle form", settings, holds, context.pick(quick=60, full=220))
 
 
 def _root(value: Surd) -> Number:
@@ -152,7 +152,7 @@ def stated_formula_covers(*, only_policy_error: bool = False, context: Context =
 
     known = (*_detour(Fraction(3, 4)), (0, 0), (0, 1))
     settings = st.one_of(st.just(known), _settings(deterministic=True))
-    return on_every("the lemma's radius contains the expert", settings, holds, context.pick(quick=40, full=300))
+    return on_every("the lemma's radius contains the expert", settings, holds, context.pick(quick=40, full=150))
 
 
 def product_inequality(*, constant: int = 2) -> Outcome:

@@ -53,7 +53,7 @@ def transition_budget(*, shrink: float = 1.0, context: Context = QUICK) -> Outco
             counts[pair, rng.choice(size, p=kernel[pair])] += 1
         return False
 
-    trials = context.pick(quick=40, full=400)
+    trials = context.pick(quick=40, full=150)
     return simulate("KL budget", fails, Fraction(1, 2), trials, context.seed)
 
 
@@ -89,7 +89,7 @@ def step_wise_transition_error(*, shrink: float = 1.0, context: Context = QUICK)
         bound = transition_error_counts.estimate(S=size, n=n, counts=cells, delta=delta)
         return bool(1 - overlap.sum() > shrink * bound + 1e-12)
 
-    trials = context.pick(quick=60, full=600)
+    trials = context.pick(quick=60, full=250)
     return simulate("transition error from counts", fails, Fraction(1, 2), trials, context.seed)
 
 
@@ -118,7 +118,7 @@ def stochastic_expert(*, shrink: float = 1.0, context: Context = QUICK) -> Outco
     def _radius(visits: list[float]) -> float:
         return float(offline_radius_stochastic.estimate(A=choices, n=n, visits=visits, delta=delta))
 
-    trials = context.pick(quick=60, full=600)
+    trials = context.pick(quick=60, full=250)
     return simulate("radius for a stochastic expert", fails, Fraction(1, 2), trials, context.seed)
 
 
@@ -179,5 +179,5 @@ def trajectory_divergence(*, shrink: float = 1.0, context: Context = QUICK) -> O
         ratio = float(max(visits[s] / used[s] for s in range(size) if used[s]))
         return bool(divergence > shrink * trajectory_kl.estimate(S=size, counts=used, ratio=ratio, delta=delta))
 
-    trials = context.pick(quick=60, full=600)
+    trials = context.pick(quick=60, full=250)
     return simulate("trajectory KL", fails, Fraction(1, 2), trials, context.seed)

@@ -55,7 +55,7 @@ def lattice_covers(*, extra: int = 0, context: Context = QUICK) -> Outcome:
         exact = sum(numerators) == total and min(numerators) >= 0
         return exact and all(x <= (1 + growth) * Fraction(c, total) for x, c in zip(p, numerators, strict=True))
 
-    return on_every("lattice cover", _targets(), holds, context.pick(quick=100, full=800))
+    return on_every("lattice cover", _targets(), holds, context.pick(quick=100, full=300))
 
 
 def lattice_count(*, offset: int = 0) -> Outcome:

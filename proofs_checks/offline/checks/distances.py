@@ -25,7 +25,7 @@ def total_variation_against_hellinger(*, ceiling: int = 2, floor: int = 1, conte
         hellinger, variation = squared_hellinger(p, q), total_variation(p, q)
         return hellinger * (ceiling - hellinger) >= variation**2 and hellinger * floor <= variation
 
-    return on_every("H^2 <= TV <= sqrt(H^2 (2 - H^2))", _PAIRS, holds, context.pick(quick=100, full=600))
+    return on_every("H^2 <= TV <= sqrt(H^2 (2 - H^2))", _PAIRS, holds, context.pick(quick=100, full=250))
 
 
 def root_densities(*, normalisation: int = 2, context: Context = QUICK) -> Outcome:
@@ -36,7 +36,7 @@ def root_densities(*, normalisation: int = 2, context: Context = QUICK) -> Outco
         squared_norm = sum(((root(a) - root(b)) * (root(a) - root(b)) for a, b in zip(p, q, strict=True)), surd(0))
         return squared_norm == squared_hellinger(dict(enumerate(p)), dict(enumerate(q))) * normalisation
 
-    return on_every("H^2 = ||sqrt p - sqrt q||^2 / 2", _PAIRS, holds, context.pick(quick=60, full=300))
+    return on_every("H^2 = ||sqrt p - sqrt q||^2 / 2", _PAIRS, holds, context.pick(quick=60, full=150))
 
 
 def triangle(*, slack: Fraction = Fraction(1), context: Context = QUICK) -> Outcome:
@@ -48,4 +48,4 @@ def triangle(*, slack: Fraction = Fraction(1), context: Context = QUICK) -> Outc
             squared_hellinger(p, r), (slack, squared_hellinger(p, q)), (slack, squared_hellinger(q, r))
         )
 
-    return on_every("H is a metric", _TRIPLES, holds, context.pick(quick=60, full=300))
+    return on_every("H is a metric", _TRIPLES, holds, context.pick(quick=60, full=150))

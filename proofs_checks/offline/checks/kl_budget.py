@@ -149,7 +149,7 @@ def exits(*, forgotten: Fraction = Fraction(0), context: Context = QUICK) -> Out
         mass = exit_mass * (1 - forgotten)
         return within(squared_hellinger(estimated, true), hellinger_from_kl_with_exits, kl=before_exit, exit_mass=mass)
 
-    return on_every("H^2 with exits", _with_exits(), holds, context.pick(quick=30, full=200))
+    return on_every("H^2 with exits", _with_exits(), holds, context.pick(quick=30, full=120))
 
 
 def _exit_step(history: History, outside: frozenset[tuple[int, int]], steps: int) -> int:
@@ -169,7 +169,7 @@ def laplace_mixture(*, states: int = 0, context: Context = QUICK) -> Outcome:
         return mass == 1 and _laplace(counts) * cells >= maximal
 
     cases = st.integers(2, 4).flatmap(count_rows).filter(any)
-    return on_every("Laplace mixture", cases, holds, context.pick(quick=60, full=400))
+    return on_every("Laplace mixture", cases, holds, context.pick(quick=60, full=200))
 
 
 def _laplace(counts: Sequence[int]) -> Fraction:
@@ -226,7 +226,7 @@ def visits_equal_counts(*, offset: int = 0, context: Context = QUICK) -> Outcome
                 return False
         return True
 
-    return on_every("visits under the step-wise estimate", studies(), holds, context.pick(quick=50, full=300))
+    return on_every("visits under the step-wise estimate", studies(), holds, context.pick(quick=50, full=150))
 
 
 def empirical_law(study: Study) -> Law:
@@ -279,7 +279,7 @@ def policy_divergence(*, share: Fraction = Fraction(1), context: Context = QUICK
     cases = studies(max_states=3, max_actions=2, max_horizon=3, noisy=True).flatmap(
         lambda s: st.tuples(st.just(s), st.tuples(*[rows(s.model.n_actions, (1, 2, 1000))] * s.model.n_states))
     )
-    return on_every("policy divergence under the step-wise estimate", cases, holds, context.pick(quick=40, full=200))
+    return on_every("policy divergence under the step-wise estimate", cases, holds, context.pick(quick=40, full=120))
 
 
 def _policy_ratio(study: Study, expert: Sequence[Row], history: History) -> Fraction:

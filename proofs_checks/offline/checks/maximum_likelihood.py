@@ -82,7 +82,7 @@ def finite_class(*, others: int = 1, context: Context = QUICK) -> Outcome:
                     return False
         return True
 
-    return on_every("tail of the maximum-likelihood error", _classes(), holds, context.pick(quick=60, full=400))
+    return on_every("tail of the maximum-likelihood error", _classes(), holds, context.pick(quick=60, full=200))
 
 
 def _power(value: Surd, n: int) -> Surd:
@@ -223,7 +223,7 @@ def renyi_identity(*, order: int = 2, context: Context = QUICK) -> Outcome:
         renyi_integral = sum((root(q * p) * Fraction(2, order) for q, p in zip(g, truth, strict=True)), surd(0))
         return mean == renyi_integral == 1 - row_hellinger(g, truth)
 
-    return on_every("Renyi divergence of order 1/2", _classes(), holds, context.pick(quick=40, full=200))
+    return on_every("Renyi divergence of order 1/2", _classes(), holds, context.pick(quick=40, full=120))
 
 
 def exponential_inequality(*, factor: Fraction = Fraction(1), context: Context = QUICK) -> Outcome:
@@ -245,4 +245,4 @@ def exponential_inequality(*, factor: Fraction = Fraction(1), context: Context =
                 mean += root(likelihood(other, counts) / likelihood(truth, counts)) * chance
         return mean == _power(overlap * factor, n)
 
-    return on_every("exponential martingale", _classes(), holds, context.pick(quick=40, full=200))
+    return on_every("exponential martingale", _classes(), holds, context.pick(quick=40, full=120))

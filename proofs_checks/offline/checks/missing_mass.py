@@ -66,7 +66,7 @@ def error_is_disagreement(*, share: Fraction = Fraction(1), context: Context = Q
         hit = share * probability_of_hitting(expert, differ, model.horizon)
         return squared_hellinger(expert, clone) == hit == total_variation(expert, clone)
 
-    return on_every("H^2 = TV = P(hit D)", pairs(), holds, context.pick(quick=60, full=400))
+    return on_every("H^2 = TV = P(hit D)", pairs(), holds, context.pick(quick=60, full=200))
 
 
 def expectation(*, dropped: int = 0, context: Context = QUICK) -> Outcome:
@@ -80,7 +80,7 @@ def expectation(*, dropped: int = 0, context: Context = QUICK) -> Outcome:
         union = sum((q * (1 - q) ** (n + dropped) for q in reach), Fraction(0))
         return mean <= union and within(union, missing_mass_expected, S=model.n_states, n=n)
 
-    return on_every("expected missing mass", _experts(), holds, context.pick(quick=60, full=400))
+    return on_every("expected missing mass", _experts(), holds, context.pick(quick=60, full=200))
 
 
 def expectation_is_attained(*, shift: Fraction = Fraction(0)) -> Outcome:
@@ -107,7 +107,7 @@ def tail(*, base: int = 2, context: Context = QUICK) -> Outcome:
             for value in {mass for mass, _ in law if mass}
         )
 
-    return on_every("tail of the missing mass", _experts(), holds, context.pick(quick=60, full=400))
+    return on_every("tail of the missing mass", _experts(), holds, context.pick(quick=60, full=200))
 
 
 def observed_tail(*, scale: Fraction = Fraction(1), context: Context = QUICK) -> Outcome:
@@ -123,7 +123,7 @@ def observed_tail(*, scale: Fraction = Fraction(1), context: Context = QUICK) ->
                 law.append((scale * size * comb(size, unseen) * (1 - missing_mass(single, seen)) ** n, p))
         return all(sum((p for z, p in law if z <= value), Fraction(0)) <= value for value, _ in law if value < 1)
 
-    return on_every("data-dependent tail", _experts(), holds, context.pick(quick=60, full=400))
+    return on_every("data-dependent tail", _experts(), holds, context.pick(quick=60, full=200))
 
 
 def good_turing(*, left_out: int = 1, context: Context = QUICK) -> Outcome:
@@ -141,7 +141,7 @@ def good_turing(*, left_out: int = 1, context: Context = QUICK) -> Outcome:
         return unique == means[0] >= means[1]
 
     cases = _experts().filter(lambda instance: instance[2] <= 3)
-    return on_every("Good-Turing identity", cases, holds, context.pick(quick=40, full=300))
+    return on_every("Good-Turing identity", cases, holds, context.pick(quick=40, full=150))
 
 
 def _samples(single: Mapping[States, Fraction], n: int) -> list[tuple[tuple[States, ...], Fraction]]:
@@ -170,7 +170,7 @@ def exact_recovery(*, states_too_many: int = 0, context: Context = QUICK) -> Out
         return failure <= (model.n_states - states_too_many) * (1 - rarest) ** n
 
     cases = _experts()
-    return on_every("exact recovery", cases, holds, context.pick(quick=60, full=400))
+    return on_every("exact recovery", cases, holds, context.pick(quick=60, full=200))
 
 
 def formulas_invert_the_tail(*, states_too_many: int = 0) -> Outcome:

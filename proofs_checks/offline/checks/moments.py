@@ -59,7 +59,7 @@ def means(*, share: Fraction = Fraction(1), context: Context = QUICK) -> Outcome
             norm, mean_difference_stated, B=1, d=2, R=distance
         )
 
-    return on_every("means in a Hellinger ball", _laws_with_features(), holds, context.pick(quick=50, full=400))
+    return on_every("means in a Hellinger ball", _laws_with_features(), holds, context.pick(quick=50, full=200))
 
 
 def covariances(*, share: Fraction = Fraction(1), context: Context = QUICK) -> Outcome:
@@ -77,7 +77,7 @@ def covariances(*, share: Fraction = Fraction(1), context: Context = QUICK) -> O
             difference, covariance_difference_stated, B=1, d=2, R=distance
         )
 
-    return on_every("covariances in a Hellinger ball", _laws_with_features(), holds, context.pick(quick=50, full=400))
+    return on_every("covariances in a Hellinger ball", _laws_with_features(), holds, context.pick(quick=50, full=200))
 
 
 def _variance(law: Row, values: list[Fraction]) -> Fraction:
@@ -164,7 +164,7 @@ def two_policies(*, share: Fraction = Fraction(1), context: Context = QUICK) -> 
             for formula in (feature_difference_deterministic, feature_difference_repaired)
         )
 
-    return on_every("two deterministic policies in a ball", pairs(), holds, context.pick(quick=60, full=400))
+    return on_every("two deterministic policies in a ball", pairs(), holds, context.pick(quick=60, full=200))
 
 
 def pairs_attain(*, shift: Fraction = Fraction(0)) -> Outcome:

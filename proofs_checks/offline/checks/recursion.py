@@ -52,7 +52,7 @@ def recursion_equals_enumeration(*, transposed: bool = True, context: Context = 
                 return False
         return True
 
-    return on_every("recursion = enumeration", pairs(), holds, context.pick(quick=50, full=300))
+    return on_every("recursion = enumeration", pairs(), holds, context.pick(quick=50, full=150))
 
 
 def disagreement_is_the_distance(*, first_state: int = 0, context: Context = QUICK) -> Outcome:
@@ -68,7 +68,7 @@ def disagreement_is_the_distance(*, first_state: int = 0, context: Context = QUI
         fast = disagreement_probability(dynamics, np.array(pair.expert), indicator)[0]
         return 1 - bhattacharyya(first, second) == hit and abs(fast - float(hit)) < _ROUNDING
 
-    return on_every("H^2 = P(disagree) with one kernel", pairs(), holds, context.pick(quick=50, full=300))
+    return on_every("H^2 = P(disagree) with one kernel", pairs(), holds, context.pick(quick=50, full=150))
 
 
 @st.composite
@@ -106,7 +106,7 @@ def stochastic_policies(*, factor: Fraction = Fraction(1), context: Context = QU
         return total == bhattacharyya(*laws) and abs(computed - (1 - float(total))) < _ROUNDING
 
     return on_every(
-        "matrix product = enumeration, stochastic policies", _stochastic(), holds, context.pick(quick=40, full=200)
+        "matrix product = enumeration, stochastic policies", _stochastic(), holds, context.pick(quick=40, full=120)
     )
 
 

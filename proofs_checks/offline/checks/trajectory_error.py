@@ -77,7 +77,7 @@ def identity(*, weight: Fraction = Fraction(1), context: Context = QUICK) -> Out
         return total == squared_hellinger(*_laws(instance, steps=model.horizon, arrival=True))
 
     return on_every(
-        "T1: sum of overlaps times row errors = H^2", two_kernels(), holds, context.pick(quick=40, full=250)
+        "T1: sum of overlaps times row errors = H^2", two_kernels(), holds, context.pick(quick=40, full=130)
     )
 
 
@@ -107,7 +107,7 @@ def symmetrised_bound(*, share: Fraction = Fraction(1), context: Context = QUICK
         d = tuple(share * x for x in d)
         return within(truth, trajectory_error_symmetrised, occupancy=d, occupancy_hat=d_hat, row_errors=h)
 
-    return on_every("T1 bound", two_kernels(square=True), holds, context.pick(quick=60, full=400))
+    return on_every("T1 bound", two_kernels(square=True), holds, context.pick(quick=60, full=200))
 
 
 def one_sided_bound(*, share: Fraction = Fraction(1), context: Context = QUICK) -> Outcome:
@@ -121,7 +121,7 @@ def one_sided_bound(*, share: Fraction = Fraction(1), context: Context = QUICK) 
             for each in (d, d_hat)
         )
 
-    return on_every("T2 bound", two_kernels(square=True), holds, context.pick(quick=60, full=400))
+    return on_every("T2 bound", two_kernels(square=True), holds, context.pick(quick=60, full=200))
 
 
 def two_step_ratio(*, constant: Fraction = Fraction(3)) -> Outcome:
@@ -191,7 +191,7 @@ def row_errors_from_trajectories(*, ceiling: int = 2, context: Context = QUICK) 
         each = all(error <= u * (ceiling - u) for error in errors)
         return each and sum(errors, surd(0)) <= u * (1 + (ceiling - u) * (model.horizon - 1))
 
-    return on_every("T4", two_kernels(), holds, context.pick(quick=40, full=250))
+    return on_every("T4", two_kernels(), holds, context.pick(quick=40, full=130))
 
 
 def row_errors_are_attained(*, extra_steps: int = 0) -> Outcome:

@@ -73,7 +73,7 @@ def closed_estimate(*, default: Default = "self-loop", context: Context = QUICK)
         return study.expert in space and inside == space and all(laws[p] == clone for p in space)
 
     cases = st.one_of(st.just(_last_seen_state()), studies(max_states=3, max_horizon=4))
-    return on_every("radius 0 is the version space", cases, holds, context.pick(quick=60, full=400))
+    return on_every("radius 0 is the version space", cases, holds, context.pick(quick=60, full=200))
 
 
 def _last_seen_state() -> Study:
@@ -112,7 +112,7 @@ def any_estimate(*, forgotten: int = 0, context: Context = QUICK) -> Outcome:
                 return False
         return True
 
-    return on_every("distance below the mass without data", _any_estimate(), holds, context.pick(quick=50, full=300))
+    return on_every("distance below the mass without data", _any_estimate(), holds, context.pick(quick=50, full=150))
 
 
 @st.composite
@@ -145,7 +145,7 @@ def counting(*, alternatives: int = 1, context: Context = QUICK) -> Outcome:
         listed = PolicySet(dynamics, np.array(center), float(squared_radius) ** 0.5).count()
         return bool(enumerated == counted == listed)
 
-    return on_every("counting a ball", _balls(), holds, context.pick(quick=50, full=300))
+    return on_every("counting a ball", _balls(), holds, context.pick(quick=50, full=150))
 
 
 def hitting_is_a_capacity(*, sign: int = 1, context: Context = QUICK) -> Outcome:
@@ -159,4 +159,4 @@ def hitting_is_a_capacity(*, sign: int = 1, context: Context = QUICK) -> Outcome
         monotone = all(hit[d] <= hit[e] for d in subsets for e in subsets if d <= e)
         return monotone and all(hit[d | e] + hit[d & e] <= hit[d] + hit[e] for d in subsets for e in subsets)
 
-    return on_every("hitting probability is a capacity", _balls(), holds, context.pick(quick=50, full=300))
+    return on_every("hitting probability is a capacity", _balls(), holds, context.pick(quick=50, full=150))

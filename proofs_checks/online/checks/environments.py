@@ -39,7 +39,7 @@ def good_runs(
 
     import proofs_checks.online.checks.runs  # noqa: F401  (loads every linear-algebra library before they are limited)
 
-    trials = context.pick(quick=50, full=150)
+    trials = context.pick(quick=50, full=70)
     failures, worst = 0, 0.0
     for rng in context.rng().spawn(trials):
         with threadpool_limits(1):

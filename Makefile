@@ -11,7 +11,7 @@ demo: $(VENV)/.core
 	$(BIN)/bridge-rl reproduce fig2-starmdp fig2-gridworld --out demo
 
 test: $(VENV)/.dev
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n auto
 
 lint: $(VENV)/.dev
 	$(BIN)/ruff check .

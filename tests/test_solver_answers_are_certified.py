@@ -91,7 +91,7 @@ def test_an_inaccurate_answer_still_encloses_the_optimum(mdp, seed):
     rng = np.random.default_rng(seed)
     program = finite_horizon_program(mdp)
     solution = solve_program(program, "HIGHS")
-    noisy = replace(solution, values=solution.values + rng.uniform(-2e-7, 2e-7, size=solution.values.shape))
+    noisy = replace(solution, values=solution.values + rng.uniform(-5e-8, 5e-8, size=solution.values.shape))
     policy, values = backward_induction(mdp)
     optimum = float(mdp.initial @ values[0])
     certificate = certify_finite_horizon(mdp, program, noisy, policy, optimum)

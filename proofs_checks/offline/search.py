@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from proofs_checks.search import Attempt, Search
 
 Floats = NDArray[np.float64]
-_DENOMINATOR = 10_000
+_DENOMINATOR = 10_000_000
 _RESTART_AFTER = 4000
 _REPORT_EVERY = 200
 _SMALLEST_ERROR = 1e-9

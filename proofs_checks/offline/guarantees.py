@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 from proofs_checks.claim import Claim
-from proofs_checks.evidence import exact, mutant, refuted, unsettled
+from proofs_checks.evidence import exact, mutant, refuted
 from proofs_checks.offline.checks import radius
 from proofs_checks.offline.evidence import text
 from proofs_checks.offline.policy_estimation import POLICY_ERROR
@@ -45,10 +45,11 @@ CLAIMS = (
         part="root-two",
         name="root of 2 for stochastic policies",
         topic="offline",
-        verdict="open",
+        verdict="false",
         statement=r"For stochastic policies too, $H(\hat P^{\pi^*}, \hat P^{\hat\pi}) \le \sqrt{R_1} + \sqrt{2R_2}$.",
-        because=r"""Proved with 2 instead of $\sqrt2$ (T9). Hill climbing approaches $\sqrt2$ and does not pass it.""",
-        evidence=(unsettled("no stochastic instance is known above the root of 2"),),
+        because=r"""Found by the search: three states, horizon 4. The same search reaches a transition term of at least
+            $1.10\sqrt{2R_2}$; T9 proves $2\sqrt{R_2}$, and the best constant lies between.""",
+        evidence=(refuted("offline-root-two"),),
         repairs=(T9,),
         search=ROOT_TWO,
     ),

@@ -1,10 +1,12 @@
 """``make bench``: exact mode against sampled mode, in one run on one machine, and the goals they should meet.
 
 "Step by step" is the paper's way (appendix "Discrete implementation"): one trajectory at a time through the ``step`` of
-the Gymnasium environment, 100 rollouts a policy, 1000 rollouts each to evaluate the greedy policy and the expert, ten
-Adam steps, a projection by SLSQP with finite differences, and the set Pi_t and the pair by comparing each policy with
-all others. Rollouts and comparisons are timed on a few policies and scaled to all of them; fit and projection are timed
-whole. "Vectorised" is this package's own sampled mode, which draws all rollouts of a policy at once.
+the Gymnasium environment, 100 rollouts a policy, ten Adam steps, a projection by SLSQP with finite differences, and the
+set Pi_t and the pair by comparing each policy with all others. Rollouts and comparisons are timed on a few policies and
+scaled to all of them; fit and projection are timed whole. It is a re-enactment that exists here only. The goals are held
+against it without the paper's 2 x 1000 evaluation rollouts a round, because exact mode evaluates outside its timer; the
+ratio with them stands beside. "Vectorised" is this package's own sampled mode (``--features sampled``), which draws all
+rollouts of a policy at once.
 """
 
 from __future__ import annotations
@@ -89,10 +91,12 @@ def _rounds(repetitions: int) -> list[Row]:
         for name, goal in (("bridge", 300), ("pbrl", 3000)):
             seconds, policies = exact[name]
             comparing = 2 * policies * _comparison_cost(policies, phi.dimension)
-            paper = rollouts * (policies + 2 * EVALUATION_ROLLOUTS / ROLLOUTS) + comparing + per_round
+            paper = rollouts * policies + comparing + per_round
+            evaluated = paper + rollouts * 2 * EVALUATION_ROLLOUTS / ROLLOUTS
             rows += [
                 Row(f"{environment} {name} round, {policies} policies, exact", 1e3 * seconds, unit="ms"),
                 Row(f"  the paper's way, step by step ({paper:.2f} s) / exact", paper / seconds, goal),
+                Row("  the same with the paper's evaluation rollouts / exact", evaluated / seconds),
                 Row("  vectorised sampled mode / exact", sampled[name][0] / seconds),
             ]
     return rows

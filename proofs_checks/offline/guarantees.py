@@ -47,8 +47,8 @@ CLAIMS = (
         topic="offline",
         verdict="false",
         statement=r"For stochastic policies too, $H(\hat P^{\pi^*}, \hat P^{\hat\pi}) \le \sqrt{R_1} + \sqrt{2R_2}$.",
-        because=r"""Found by the search: three states, horizon 4. The same search reaches a transition term of at least
-            $1.10\sqrt{2R_2}$; T9 proves $2\sqrt{R_2}$, and the best constant lies between.""",
+        because=r"""Found by the search: three states, horizon 4, where the transition term has to be at least
+            $1.016\sqrt{2R_2}$. T9 proves $2\sqrt{R_2}$; the best constant lies between.""",
         evidence=(refuted("offline-root-two"),),
         repairs=(T9,),
         search=ROOT_TWO,

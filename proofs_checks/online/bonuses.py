@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from proofs_checks.claim import Claim, Repair
-from proofs_checks.evidence import covered, exact, mutant, proved, proved_step, refuted
+from proofs_checks.evidence import cited, covered, exact, mutant, proved, proved_step, refuted
 from proofs_checks.online.checks import bonus, transcription
 from proofs_checks.online.evidence import text
 
@@ -70,7 +70,14 @@ C8 = Repair(
     title="the printed bonus, defined for every count",
     statement=r"$\xi := 2\eta$ for $N \le 1$, else as printed; for real transitions, a fixed policy and a fixed "
     r"function.",
-    evidence=(_UNDEFINED,),
+    evidence=(
+        proved_step(
+            r"$\log(6\log N/\delta)$ has no real value at $N = 0$ and $N = 1$, the points defined anew",
+            bonus.undefined_counts,
+            mutant("N = 2 as well", counts=(0, 1, 2)),
+        ),
+        cited("Howard, Ramdas, McAuliffe, Sekhon (2021), stitched bound; quoted from memory"),
+    ),
     proof=r"For $N \le 1$ the data say nothing and $\lvert f\rvert < \eta$ gives $2\eta$. For $N \ge 2$ the stitched "
     r"bound of "
     r"Howard et al. (cited) is smaller than the printed one.",

@@ -1,12 +1,12 @@
 """``make bench``: exact mode against sampled mode, in one run on one machine, and the goals they should meet.
 
-"Step by step" is the paper's way (appendix "Discrete implementation"): one trajectory at a time through the ``step`` of
-the Gymnasium environment, 100 rollouts a policy, ten Adam steps, a projection by SLSQP with finite differences, and
-the set Pi_t and the pair by comparing each policy with all others. Rollouts and comparisons are timed on a few policies and
-scaled to all of them; fit and projection are timed whole. It is a re-enactment that exists here only. The goals are held
-against it without the paper's 2 x 1000 evaluation rollouts a round, because exact mode evaluates outside its timer; the
-ratio with them stands beside. "Vectorised" is this package's own sampled mode (``--features sampled``), which draws all
-rollouts of a policy at once.
+"Step by step" is the paper's way (appendix "Discrete implementation"): one trajectory at a time through the
+``step`` of the Gymnasium environment, 100 rollouts a policy, ten Adam steps, a projection by SLSQP with finite
+differences, and the set Pi_t and the pair by comparing each policy with all others. Rollouts and comparisons
+are timed on a few policies and scaled to all of them; fit and projection are timed whole. It is a re-enactment
+that exists here only. The goals are held against it without the paper's 2 x 1000 evaluation rollouts a round,
+because exact mode evaluates outside its timer; the ratio with them stands beside. "Vectorised" is this
+package's own sampled mode (``--features sampled``), which draws all rollouts of a policy at once.
 """
 
 from __future__ import annotations

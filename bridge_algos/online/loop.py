@@ -11,6 +11,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -23,7 +24,7 @@ from bridge_algos.online.oracles import Oracle
 from bridge_algos.online.pair_rules import PairRule, choose_pair
 from bridge_algos.online.policy_filter import surviving, whiten
 from bridge_algos.online.preference_model import fit_adam, fit_exact, project, projection_error
-from bridge_algos.trajectories import sample_trajectories
+from bridge_algos.trajectories import Trajectories, sample_trajectories
 from bridge_theory.errors import InputError
 
 
@@ -129,7 +130,11 @@ RECORDED = (
 
 
 def run_online(
-    problem: OnlineProblem, learner: Learner, rounds: int, rng: np.random.Generator
+    problem: OnlineProblem,
+    learner: Learner,
+    rounds: int,
+    rng: np.random.Generator,
+    log: Callable[[dict[str, Any]], None] | None = None,
 ) -> dict[str, FloatArray]:
     """Play ``rounds`` rounds and return one array (rounds,) per name in ``RECORDED``.
 
@@ -137,6 +142,11 @@ def run_online(
     ``problem.optimum``, ``suboptimality`` that of the greedy policy after the round against the expert. ``first`` and
     ``second`` index the pair in ``learner.policies``. ``optimum_kept``: an optimal policy is among those searched, and
     the optimum is not ruled out.
+
+    ``log`` receives what a checker needs to recompute a round, as a plain record: ``pair`` (2,) indices, ``w`` (d,)
+    that the round used and ``w_next`` (d,) fitted after it, ``states`` and ``actions`` (2, K, H) of the trajectories
+    compared, ``outcomes`` (K,), ``kept`` (N,), and the numbers ``gamma``, ``solver_error`` (of w),
+    ``solver_error_next`` (of w_next), ``log_det``, ``uncertainty``, and ``bonus`` (2,) of the pair.
     """
     returns = expected_returns(problem.mdp, learner.policies)
     best = float(expected_returns(problem.mdp, problem.optimum[None])[0])
@@ -157,7 +167,8 @@ def run_online(
         first, second = choose_pair(learner.pair_rule, kept, scores[:-1], z[:-1], gamma, view.bonus[:-1], rng)
         norm, bonuses = float(np.linalg.norm(z[first] - z[second])), view.bonus[first] + view.bonus[second]
         log_det = float(np.linalg.slogdet(memory.matrix)[1])
-        _play(problem, learner, memory, view, (first, second), rng)
+        before = view
+        one, two, outcomes = _play(problem, learner, memory, view, (first, second), rng)
         view = _look(problem, learner, memory, policies, view, rng)
         greedy = int((view.features[:-1] @ view.w).argmax())
         values = {
@@ -176,6 +187,24 @@ def run_online(
         }
         for name, value in values.items():
             record[name][t - 1] = value
+        if log is not None:
+            log(
+                {
+                    "pair": (first, second),
+                    "w": before.w,
+                    "w_next": view.w,
+                    "states": np.stack([one.states, two.states]),
+                    "actions": np.stack([one.actions, two.actions]),
+                    "outcomes": outcomes,
+                    "kept": kept,
+                    "gamma": gamma,
+                    "solver_error": before.error,
+                    "solver_error_next": view.error,
+                    "log_det": log_det,
+                    "uncertainty": norm,
+                    "bonus": before.bonus[[first, second]],
+                }
+            )
     return record
 
 
@@ -237,8 +266,8 @@ def _play(
     view: _View,
     pair: tuple[int, int],
     rng: np.random.Generator,
-) -> None:
-    """Roll the pair out in the real environment, ask, and remember."""
+) -> tuple[Trajectories, Trajectories, FloatArray]:
+    """Roll the pair out in the real environment, ask, and remember; returns trajectories and answers."""
     mdp, k = problem.mdp, learner.comparisons
     one, two = (sample_trajectories(mdp, learner.policies[i], k, rng) for i in pair)
     outcomes = np.asarray(problem.oracle(one, two, rng), dtype=np.float64)
@@ -261,3 +290,4 @@ def _play(
             memory.counts_then.append(memory.counts.sum(axis=2))
             memory.played_visits.append(pair_visits(view.dynamics, learner.policies[list(pair)]))
         memory.counts = memory.counts + sum(transition_counts(t, mdp.n_states, mdp.n_actions) for t in (one, two))
+    return one, two, outcomes

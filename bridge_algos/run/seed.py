@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import dataclass, field
 from importlib.metadata import version
 from typing import Any
 
@@ -17,12 +18,12 @@ from bridge_algos.offline.cloning import action_counts, add_action_noise, clone_
 from bridge_algos.offline.policy_set import PolicySet
 from bridge_algos.offline.transitions import transition_counts
 from bridge_algos.offline.version_space import closed_estimate
-from bridge_algos.online.loop import RECORDED, OnlineProblem, run_online
+from bridge_algos.online.loop import RECORDED, Learner, OnlineProblem, run_online
 from bridge_algos.run.config import RunConfig
 from bridge_algos.run.learners import make_learner, transition_fit
 from bridge_algos.run.streams import stream
 from bridge_algos.run.world import World, build_oracle, caveats
-from bridge_algos.trajectories import sample_trajectories
+from bridge_algos.trajectories import Trajectories, sample_trajectories
 from bridge_theory.errors import InputError
 
 PACKAGES = ("bridge-rl", "numpy", "scipy", "xarray", "cvxpy", "highspy", "python-flint", "gymnasium")
@@ -43,18 +44,34 @@ UNITS = {
 }
 
 
-def run_seed(config: RunConfig, world: World, seed: int) -> xr.Dataset:
+@dataclass(eq=False)
+class SeedLog:
+    """What a seed's run writes down for an independent checker; filled by :func:`run_seed`.
+
+    Args:
+        demonstrations: as the learners saw them.
+        learners: each learner with one record a round; see :func:`bridge_algos.online.loop.run_online`.
+    """
+
+    demonstrations: Trajectories | None = None
+    learners: list[tuple[Learner, list[dict[str, Any]]]] = field(default_factory=list)
+
+
+def run_seed(config: RunConfig, world: World, seed: int, log: SeedLog | None = None) -> xr.Dataset:
     """All algorithms of a configuration on one seed.
+
+    Args:
+        log: filled with what a checker needs, where one is given; the numbers do not depend on it.
 
     Returns:
         A data set with one variable per name in ``RECORDED`` over (algorithm, round), the offline stage's numbers as
         scalars, and configuration, seed and versions as attributes. The numbers depend on configuration and seed only.
     """
     with threadpool_limits(1):
-        return _run_seed(config, world, seed)
+        return _run_seed(config, world, seed, log)
 
 
-def _run_seed(config: RunConfig, world: World, seed: int) -> xr.Dataset:
+def _run_seed(config: RunConfig, world: World, seed: int, log: SeedLog | None) -> xr.Dataset:
     mdp = world.mdp
     clean = world.demonstrations
     if clean is None:
@@ -70,6 +87,8 @@ def _run_seed(config: RunConfig, world: World, seed: int) -> xr.Dataset:
     )
     version_space = PolicySet(closed_estimate(mdp, demonstrations, counts), clone, 0.0)
     offline = version_space if config.radius == "zero" else PolicySet(estimate, clone, radius)
+    if log is not None:
+        log.demonstrations = demonstrations
     records, best = {}, {}
     for name in config.algorithms:
         if name == "bc":
@@ -77,7 +96,11 @@ def _run_seed(config: RunConfig, world: World, seed: int) -> xr.Dataset:
             best[name] = records[name]["suboptimality"][0]
             continue
         learner = make_learner(name, config, world, offline, counts, seed)
-        records[name] = run_online(problem, learner, config.rounds, stream(seed, name))
+        rounds: list[dict[str, Any]] = []
+        keep = None if log is None else rounds.append
+        records[name] = run_online(problem, learner, config.rounds, stream(seed, name), keep)
+        if log is not None:
+            log.learners.append((learner, rounds))
         best[name] = world.expert.expected_return - expected_returns(mdp, learner.policies).max()
     distance = _expert_distance(world, PolicySet(estimate, clone, radius))
     scalars = {

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from importlib.metadata import version
 from typing import Any
 
 import numpy as np
@@ -21,11 +20,10 @@ from bridge_algos.online.loop import RECORDED, OnlineProblem, run_online
 from bridge_algos.run.config import RunConfig
 from bridge_algos.run.learners import make_learner, transition_fit
 from bridge_algos.run.streams import stream
+from bridge_algos.run.versions import package_versions
 from bridge_algos.run.world import World, build_oracle, caveats
 from bridge_algos.trajectories import sample_trajectories
 from bridge_theory.errors import InputError
-
-PACKAGES = ("bridge-rl", "numpy", "scipy", "xarray", "cvxpy", "highspy", "python-flint", "gymnasium")
 
 UNITS = {
     "first": "index of a policy searched",
@@ -142,7 +140,7 @@ def _dataset(
         attrs={
             "title": f"BRIDGE companion: {config.environment}, seed {seed}",
             "configuration": config.to_json(),
-            "versions": json.dumps({package: _version(package) for package in PACKAGES}),
+            "versions": json.dumps(package_versions()),
             "caveats": json.dumps(caveats(config, world)),
             "expert": world.expert.describe(),
             "expert_return": world.expert.expected_return,
@@ -151,10 +149,3 @@ def _dataset(
             "utility_scale": world.utility_scale,
         },
     )
-
-
-def _version(package: str) -> str:
-    try:
-        return version(package)
-    except ModuleNotFoundError:
-        return "not installed"

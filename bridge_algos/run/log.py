@@ -40,7 +40,9 @@ from bridge_algos.files import atomic_write
 from bridge_algos.npz import read_arrays
 from bridge_algos.online.loop import Learner
 from bridge_algos.run.config import RunConfig
-from bridge_algos.run.seed import SeedLog, run_seed
+from bridge_algos.run.offline import offline_stage
+from bridge_algos.run.seed import run_seed
+from bridge_algos.run.versions import package_versions
 from bridge_algos.run.world import World
 from bridge_theory.errors import InputError
 
@@ -67,25 +69,31 @@ class RunLog:
 
 def logged_seed(config: RunConfig, world: World, seed: int) -> tuple[xr.Dataset, RunLog]:
     """Run one seed and keep its log; the data set is that of :func:`bridge_algos.run.seed.run_seed`."""
-    seen = SeedLog()
-    dataset = run_seed(config, world, seed, seen)
-    assert seen.demonstrations is not None
+    learners: dict[str, Learner] = {}
+    rounds: dict[str, list[dict[str, Any]]] = {}
+
+    def keep(learner: Learner, entry: dict[str, Any]) -> None:
+        learners[learner.name] = learner
+        rounds.setdefault(learner.name, []).append(entry)
+
+    dataset = run_seed(config, world, seed, keep)
+    demonstrations = offline_stage(config, world, seed).demonstrations
     arrays = {
         "transitions": world.mdp.transitions,
         "initial": world.mdp.initial,
-        "demonstrations/states": seen.demonstrations.states,
-        "demonstrations/actions": seen.demonstrations.actions,
+        "demonstrations/states": demonstrations.states,
+        "demonstrations/actions": demonstrations.actions,
     }
-    for learner, rounds in seen.learners:
-        arrays |= {f"{learner.name}/{name}": array for name, array in _arrays_of(learner, rounds).items()}
+    for name, learner in learners.items():
+        arrays |= {f"{name}/{entry}": array for entry, array in _arrays_of(learner, rounds[name]).items()}
     header = {
         "format": FORMAT,
         "configuration": json.loads(config.to_json()),
         "seed": seed,
         "horizon": world.mdp.horizon,
         "weight_bound": world.weight_bound,
-        "algorithms": [learner.name for learner, _ in seen.learners],
-        "versions": json.loads(dataset.attrs["versions"]),
+        "algorithms": list(learners),
+        "versions": package_versions(),
     }
     return dataset, RunLog(header, arrays)
 
@@ -136,9 +144,7 @@ def load_log(path: str | Path) -> RunLog:
     except (ValueError, RecursionError):
         header = None
     if not isinstance(header, dict) or header.get("format") != FORMAT:
-        raise InputError(
-            f"{path} is no log of this version ({FORMAT!r}); store it again with 'bridge-rl run --log'."
-        )
+        raise InputError(f"{path} is no log of this version ({FORMAT!r}); store it again with 'bridge-rl run --log'.")
     if str(digest[()]) != content_digest(header, arrays):
         raise InputError(f"{path} is damaged: its content does not fit its digest; store the log again.")
     names = header.get("algorithms")

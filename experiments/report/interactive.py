@@ -23,7 +23,7 @@ _MARKERS = {
 
 
 def panels(picture: Any) -> list[Spec]:
-    """The panels of a figure, each with ``data`` and ``layout`` of plotly.js.
+    """The panels of a figure, each with its ``title`` as HTML and ``data`` and ``layout`` of plotly.js.
 
     Raises:
         InputError: when the figure shows something that has no interactive counterpart here.
@@ -72,14 +72,13 @@ def _panel(axes: Any) -> Spec:
             notes += [_note(axes, artist)] if artist.get_text() else []
         else:
             raise InputError(f"a figure with a {type(artist).__name__} has no interactive form")
-    return {"data": data, "layout": _layout(axes, data, notes)}
+    return {"title": markup(axes.get_title()), "data": data, "layout": _layout(axes, data, notes)}
 
 
 def _layout(axes: Any, data: list[Spec], notes: list[Spec]) -> Spec:
     same = {tuple(trace["x"]) for trace in data if trace["type"] == "scatter" and trace.get("hoverinfo") != "skip"}
     grid = any(trace["type"] == "heatmap" for trace in data)
     return {
-        "title": {"text": markup(axes.get_title())},
         "xaxis": _axis(axes.xaxis, axes.get_xlim(), grid),
         "yaxis": _axis(axes.yaxis, axes.get_ylim(), grid),
         "annotations": notes,
@@ -144,7 +143,7 @@ def _dash(line: Any) -> str:
 
     style = line.get_linestyle()
     _, pattern = line._unscaled_dash_pattern  # every pattern of one's own is called "--" by get_linestyle
-    if style != "--" or pattern == rcParams["lines.dashed_pattern"]:
+    if style != "--" or list(pattern) == rcParams["lines.dashed_pattern"]:
         return _DASHES.get(style, "solid")
     return ",".join(f"{1.25 * line.get_linewidth() * length:g}px" for length in pattern)
 

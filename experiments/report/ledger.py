@@ -57,7 +57,7 @@ def ledger_html(check: str | None, jobs: int) -> str:
     table = table_html(_HEADER, rows, "ledger")
     return (
         f'<div class="counts">{verdicts}</div>{state}'
-        f"<details><summary>All {len(every)} statements</summary>{table}</details>"
+        f'<details class="long"><summary>All {len(every)} statements</summary>{table}</details>'
     )
 
 

@@ -18,12 +18,16 @@ def picture_html(picture: Any, caption: str) -> str:
         specs = panels(picture)
     except InputError:
         return _still(picture, caption)
-    boxes = "".join('<div class="panel" role="img"></div>' for _ in specs)
+    boxes = "".join(f'<div>{_heading(spec)}<div class="panel" role="img"></div></div>' for spec in specs)
     data = json.dumps(specs, allow_nan=False).replace("<", "\\u003c")
     return (
         f'<figure class="interactive"><div class="panels">{boxes}</div>{_legend(specs)}'
         f'<figcaption>{escape(caption)}</figcaption><script type="application/json">{data}</script></figure>'
     )
+
+
+def _heading(spec: Spec) -> str:
+    return f'<p class="panel-title">{spec["title"]}</p>' if spec["title"] else ""
 
 
 def _legend(specs: list[Spec]) -> str:

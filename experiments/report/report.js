@@ -13,9 +13,8 @@ const axis = (spec) => ({
 });
 
 const layout = (spec) => ({
-  ...spec, xaxis: axis(spec.xaxis), yaxis: axis(spec.yaxis), showlegend: false, height: 320,
-  title: { text: spec.title.text, font: { size: 14 }, x: 0.5, xanchor: 'center' },
-  margin: { l: 50, r: 12, t: spec.title.text ? 40 : 28, b: 44 }, paper_bgcolor: '#fff', plot_bgcolor: '#fff',
+  ...spec, xaxis: axis(spec.xaxis), yaxis: axis(spec.yaxis), showlegend: false, height: 300,
+  margin: { l: 50, r: 12, t: 28, b: 44 }, paper_bgcolor: '#fff', plot_bgcolor: '#fff',
   font: { family: 'system-ui, "DejaVu Sans", sans-serif', size: 13, color: ink },
   hoverlabel: { font: { size: 12 } }, dragmode: touch ? false : 'zoom', modebar: { orientation: 'h' },
 });
@@ -40,12 +39,12 @@ Promise.all(figures.map(draw)).then(() => { document.documentElement.dataset.dra
 
 const panels = () => document.querySelectorAll('figure.interactive .panel');
 addEventListener('beforeprint', () => {
-  document.querySelectorAll('details').forEach((d) => { if (!d.open) { d.open = true; d.dataset.closed = ''; } });
+  document.querySelectorAll('details:not(.long)').forEach((d) => { if (!d.open) { d.open = true; d.dataset.closed = ''; } });
   panels().forEach((box) => Plotly.relayout(box, { autosize: false, width: 330, height: 280 }));
 });
 addEventListener('afterprint', () => {
   document.querySelectorAll('details[data-closed]').forEach((d) => { d.open = false; delete d.dataset.closed; });
-  panels().forEach((box) => Plotly.relayout(box, { autosize: true, width: null, height: 320 }));
+  panels().forEach((box) => Plotly.relayout(box, { autosize: true, width: null, height: 300 }));
 });
 
 const reveal = () => {

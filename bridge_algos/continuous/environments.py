@@ -24,7 +24,7 @@ from bridge_algos.mdp import FloatArray, IntArray
 from bridge_theory.errors import InputError
 
 SHORT_NAMES = {"reacher": "Reacher-v5", "ant": "Ant-v5"}
-_BLOCKS = {"Reacher-v5": ReacherBlock, "Ant-v5": AntBlock}
+_BLOCKS: dict[str, type[ReacherBlock] | type[AntBlock]] = {"Reacher-v5": ReacherBlock, "Ant-v5": AntBlock}
 
 
 class Block(Protocol):

@@ -66,8 +66,8 @@ class Episodes:
         """(n,): sums of rewards."""
         return np.asarray(self.rewards.sum(axis=1))
 
-    def checked(self, environment: Environment, horizon: int | None = None) -> Episodes:
-        """Itself, after making sure that the episodes fit an environment (and a horizon, when given).
+    def checked(self, environment: Environment) -> Episodes:
+        """Itself, after making sure that the episodes fit an environment.
 
         Raises:
             InputError: no episode, other dimensions, actions out of range, lengths that do not fit, or values that are
@@ -76,8 +76,8 @@ class Episodes:
         d_s, d_a = environment.observation_size, environment.action_size
         if self.actions.ndim != 3 or self.actions.shape[2] != d_a or self.actions.size == 0:
             raise InputError(
-                f"actions have shape {self.actions.shape}, expected (n, H, {d_a}) with n, H >= 1, as {environment.name} "
-                f"has {d_a}-dimensional actions."
+                f"actions have shape {self.actions.shape}, expected (n, H, {d_a}) with n, H >= 1, as "
+                f"{environment.name} has {d_a}-dimensional actions."
             )
         n, steps, _ = self.actions.shape
         expected = {"observations": (n, steps + 1, d_s), "rewards": (n, steps), "lengths": (n,), "terminated": (n,)}
@@ -98,9 +98,38 @@ class Episodes:
                 f"actions go from {self.actions.min():g} to {self.actions.max():g}, expected the range of "
                 f"{environment.name}, {low.min():g} to {high.max():g}; clip or rescale them."
             )
-        if horizon is not None and steps != horizon:
-            raise InputError(f"the episodes have {steps} steps, expected the horizon {horizon}.")
         return self
+
+    def to_horizon(self, horizon: int) -> Episodes:
+        """The first ``horizon`` steps: longer episodes are cut, and padded arrays of terminated ones made longer.
+
+        Raises:
+            InputError: an episode ends earlier without having been terminated.
+        """
+        if horizon < 1:
+            raise InputError(f"the horizon is {horizon}, expected at least 1.")
+        short = np.flatnonzero((self.lengths < horizon) & ~self.terminated)
+        if len(short):
+            raise InputError(
+                f"episode {short[0]} was cut after {self.lengths[short[0]]} steps, expected the horizon {horizon} or "
+                "an end by the environment; ask for a smaller horizon."
+            )
+        lengths = np.minimum(self.lengths, horizon)
+
+        def fitted(array: Any, steps: int, last: FloatArray | IntArray) -> Any:
+            padded = np.zeros((len(self), steps, *array.shape[2:]), dtype=array.dtype)
+            kept = min(steps, array.shape[1])
+            padded[:, :kept] = array[:, :kept]
+            padded[np.arange(steps) >= last[:, None]] = 0
+            return padded
+
+        return Episodes(
+            observations=fitted(self.observations, horizon + 1, lengths + 1),
+            actions=fitted(self.actions, horizon, lengths),
+            rewards=fitted(self.rewards, horizon, lengths),
+            lengths=lengths,
+            terminated=self.terminated & (self.lengths <= horizon),
+        )
 
 
 def save_episodes(path: str | Path, episodes: Episodes) -> None:

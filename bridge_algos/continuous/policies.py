@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import overload
 
 import numpy as np
@@ -28,8 +29,9 @@ ACTIVATIONS: dict[str, Callable[[FloatArray], FloatArray]] = {"tanh": np.tanh, "
 class MlpPolicy:
     r"""A Gaussian policy :math:`a \sim N(\mu(s), diag(std^2))` whose mean is a multilayer perceptron.
 
-    Hidden layers have the activation, the last one none. The input is the observation, normalised where a mean and a
-    scale are given: ``clip((o - mean) / scale, -clip, clip)``. Everything is computed in float64 with NumPy.
+    Hidden layers have the activation, the last one none, or the hyperbolic tangent where ``squashed``. The input is
+    the observation, normalised where a mean and a scale are given: ``clip((o - mean) / scale, -clip, clip)``.
+    Everything is computed in float64 with NumPy.
 
     Args:
         weights: (fan_in, fan_out) of each layer.
@@ -39,6 +41,7 @@ class MlpPolicy:
         observation_mean: (d_s,) or None.
         observation_scale: (d_s,) positive, or None.
         observation_clip: bound on the normalised inputs.
+        squashed: whether the mean is the hyperbolic tangent of the last layer.
 
     Raises:
         InputError: shapes that do not fit, an unknown activation, or values that are not finite.
@@ -55,17 +58,18 @@ class MlpPolicy:
     observation_mean: FloatArray | None = None
     observation_scale: FloatArray | None = None
     observation_clip: float = np.inf
+    squashed: bool = False
 
     def __post_init__(self) -> None:
         if self.activation not in ACTIVATIONS:
             raise InputError(f"the activation is {self.activation!r}, expected one of {', '.join(ACTIVATIONS)}.")
         shapes = [np.shape(weight) for weight in self.weights]
         chained = all(len(shape) == 2 for shape in shapes) and all(
-            left[1] == right[0] for left, right in zip(shapes, shapes[1:], strict=False)
+            left[1] == right[0] for left, right in pairwise(shapes)
         )
         if not shapes or not chained or [np.shape(b) for b in self.biases] != [shape[1:] for shape in shapes]:
             raise InputError(
-                f"the layers have weights of shapes {shapes} and biases of shapes {[np.shape(b) for b in self.biases]}, "
+                f"the layers have weights of shapes {shapes} and biases of {[np.shape(b) for b in self.biases]}, "
                 "expected (fan_in, fan_out) and (fan_out,), each layer taking what the one before gives."
             )
         expected = {"std": shapes[-1][1:], "observation_mean": shapes[0][:1], "observation_scale": shapes[0][:1]}
@@ -99,7 +103,8 @@ class MlpPolicy:
         activation = ACTIVATIONS[self.activation]
         for weight, bias in zip(self.weights[:-1], self.biases[:-1], strict=True):
             x = activation(x @ weight + bias)
-        return np.asarray(x @ self.weights[-1] + self.biases[-1])
+        x = x @ self.weights[-1] + self.biases[-1]
+        return np.asarray(np.tanh(x) if self.squashed else x)
 
     @property
     def parameters(self) -> FloatArray:
@@ -122,7 +127,7 @@ class MlpPolicy:
 
     def digest(self) -> str:
         """A hexadecimal name of the content: equal policies have equal ones."""
-        content = hashlib.sha256(f"{self.activation} {self.observation_clip}".encode())
+        content = hashlib.sha256(f"{self.activation} {self.observation_clip} {self.squashed}".encode())
         for array in (*self.weights, *self.biases, self.std, self.observation_mean, self.observation_scale):
             values: NDArray[np.float64] = np.zeros(0) if array is None else np.ascontiguousarray(array, np.float64)
             content.update(f"{values.shape}".encode() + values.tobytes())

@@ -234,7 +234,7 @@ def _run(
 def _std(policy: Policy, d_a: int) -> FloatArray:
     std = getattr(policy, "std", None)
     if std is None or np.shape(std) != (d_a,):
-        raise InputError(f"it has no std of shape ({d_a},), which sampled actions need; leave out rng for mean actions.")
+        raise InputError(f"it has no std of shape ({d_a},), as sampled actions need; leave out rng for mean actions.")
     return np.asarray(std)
 
 

@@ -45,7 +45,7 @@ def _panel(axes: Any) -> Spec:
     done: set[int] = set()
     for container in axes.containers:
         if isinstance(container, ErrorbarContainer):
-            data.append(_error_bars(container))
+            data += [_error_bars(container)] if container.lines[0] is not None else map(_segments, container.lines[2])
         elif isinstance(container, BarContainer):
             data.append(_bars(container))
         else:
@@ -76,6 +76,9 @@ def _panel(axes: Any) -> Spec:
 
 
 def _layout(axes: Any, data: list[Spec], notes: list[Spec]) -> Spec:
+    for name, axis in (("x", axes.xaxis), ("y", axes.yaxis)):
+        if axis.get_scale() not in ("linear", "log"):
+            _straighten(data, notes, name, axis)
     same = {tuple(trace["x"]) for trace in data if trace["type"] == "scatter" and trace.get("hoverinfo") != "skip"}
     grid = any(trace["type"] == "heatmap" for trace in data)
     return {
@@ -90,25 +93,50 @@ def _layout(axes: Any, data: list[Spec], notes: list[Spec]) -> Spec:
 def _axis(axis: Any, limits: tuple[float, float], grid: bool) -> Spec:
     from matplotlib.ticker import FixedFormatter, FuncFormatter
 
-    scale = axis.get_scale()
-    if scale not in ("linear", "log"):
-        raise InputError(f"a figure with a {scale!r} axis has no interactive form")
-    ends = np.log10(limits) if scale == "log" else np.asarray(limits)
+    straight = axis.get_scale() not in ("linear", "log")
+    place = axis.get_transform().transform if straight or axis.get_scale() == "log" else np.asarray
     spec: Spec = {
-        "title": {"text": markup(axis.get_label_text())},
-        "type": scale,
-        "range": ends.tolist(),
+        "title": {"text": markup(_label(axis))},
+        "type": "log" if axis.get_scale() == "log" else "linear",
+        "range": place(np.asarray(limits)).tolist(),
         "showgrid": not grid,
     }
     formatter = axis.get_major_formatter()
-    if isinstance(formatter, FixedFormatter | FuncFormatter) or grid:
+    if isinstance(formatter, FixedFormatter | FuncFormatter) or grid or straight:
         low, high = sorted(limits)
         ticks = [t for t in axis.get_major_ticks() if low <= t.get_loc() <= high]
         spec |= {
-            "tickvals": [float(t.get_loc()) for t in ticks],
+            "tickvals": [float(place(np.array([t.get_loc()]))[0] if straight else t.get_loc()) for t in ticks],
             "ticktext": [markup(t.label1.get_text()) for t in ticks],
         }
     return spec
+
+
+def _label(axis: Any) -> str:
+    """Panels that share an axis show its label once; apart from each other, each needs it."""
+    if axis.get_label_text():
+        return str(axis.get_label_text())
+    shared = axis.axes.get_shared_x_axes() if axis.axis_name == "x" else axis.axes.get_shared_y_axes()
+    labels = [getattr(other, f"{axis.axis_name}axis").get_label_text() for other in shared.get_siblings(axis.axes)]
+    return next(filter(None, labels), "")
+
+
+def _straighten(data: list[Spec], notes: list[Spec], name: str, axis: Any) -> None:
+    """A scale that plotly.js does not have becomes a linear one of moved values; hovering shows the true ones."""
+
+    def moved(values: list[float | None]) -> list[float | None]:
+        return _numbers(axis.get_transform().transform(np.array(values, float)))
+
+    for trace in data:
+        if trace["type"] != "scatter" or f"error_{name}" in trace:
+            raise InputError(f"a figure with such curves on a {axis.get_scale()!r} axis has no interactive form")
+        if "hovertemplate" in trace and name == "y":
+            trace["text"] = [f"{value:.4g}" if value is not None else "" for value in trace["y"]]
+            trace["hovertemplate"] = trace["hovertemplate"].replace("%{y:.4g}", "%{text}")
+        trace[name] = moved(trace[name])
+    for note in notes:
+        if note[f"{name}ref"] == name:
+            note[name] = moved([note[name]])[0]
 
 
 def _line(axes: Any, line: Any) -> Spec:
@@ -166,8 +194,6 @@ def _trace(x: Any, y: Any, label: object, colour: str) -> Spec:
 
 def _error_bars(container: Any) -> Spec:
     line, _, bars = container
-    if line is None:
-        raise InputError("a figure with error bars but no data points has no interactive form")
     trace = _line(line.axes, line)
     label = container.get_label()
     trace |= {

@@ -40,7 +40,7 @@ EVIL = "<script>alert(1)</script><b>\"'&"
 def directory(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A run and a reproduction, whose names, title and settings try to be markup."""
     root = tmp_path_factory.mktemp("reported")
-    run(preset("theory", "starmdp").but(rounds=3), root / "run <b>", seeds=2)
+    run(preset("theory", "starmdp").but(rounds=3), root / "run <b>", seeds=2, log=True)
     described = configuration("fig2-starmdp", quick=True)
     reproduce("fig2-starmdp", described, root / "fig2", jobs=1)
     data = load_dataset(root / "fig2" / "data.nc", "")
@@ -96,6 +96,7 @@ def test_the_page_says_settings_words_bounds_and_verdicts(document: str) -> None
     assert "hand-set numbers, without a guarantee" in body
     assert re.search(r"Regret, in utility: \d+ of \d+ bounds say something here", body)
     assert re.search(r"All \d+ statements", body)
+    assert "4 of 4 certified, from 2 of 2 logs" in body
 
 
 def test_the_same_directory_gives_the_same_page(directory: Path, document: str) -> None:

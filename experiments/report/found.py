@@ -28,6 +28,7 @@ class Item:
     Args:
         name: its path below the reported directory.
         directory: where it lies.
+        data: the results.
         title: of the figure or run.
         settings: what was asked for, JSON values by name.
         versions: of the packages that made it, as JSON text.
@@ -38,6 +39,7 @@ class Item:
 
     name: str
     directory: Path
+    data: xr.Dataset
     title: str
     settings: dict[str, Any]
     versions: str
@@ -89,6 +91,7 @@ def _item(place: Path, root: Path) -> Item:
         return Item(
             name,
             place,
+            data,
             str(data.attrs["title"]),
             settings,
             str(data.attrs.get("versions", "various")),

@@ -11,14 +11,19 @@ from importlib import resources
 from typing import Any
 
 from experiments.report.bounds import bounds_html
+from experiments.report.certificate import certificates_html
 from experiments.report.found import Item
 from experiments.report.ledger import ANCHOR, ledger_html
 from experiments.report.pictures import picture_html
 from experiments.report.text import table_html, words_html
 
 
-def page(items: Sequence[Item], title: str, *, check: str | None = None, jobs: int = 1) -> str:
+def page(items: Sequence[Item], title: str, *, verify: int = 3, check: str | None = None, jobs: int = 1) -> str:
     """A complete HTML document on some runs and reproductions.
+
+    Args:
+        verify: how many logs of each run to verify.
+        check, jobs: see :func:`experiments.report.ledger.ledger_html`.
 
     Its content security policy allows the two scripts that it contains, by their digests, and no connection at all;
     texts that come from files are escaped.
@@ -30,7 +35,7 @@ def page(items: Sequence[Item], title: str, *, check: str | None = None, jobs: i
         "img-src data: blob:; base-uri 'none'; form-action 'none'"
     )
     style = _resource("proofs_checks.html", "style.css") + _resource("experiments.report", "report.css")
-    sections = "".join(_section(number, item) for number, item in enumerate(items))
+    sections = "".join(_section(number, item, verify) for number, item in enumerate(items))
     links = "".join(f'<li><a href="#{_anchor(n)}">{escape(item.title)}</a></li>' for n, item in enumerate(items))
     return (
         '<!DOCTYPE html><html lang="en"><head><meta charset="utf-8">'
@@ -45,7 +50,7 @@ def page(items: Sequence[Item], title: str, *, check: str | None = None, jobs: i
     )
 
 
-def _section(number: int, item: Item) -> str:
+def _section(number: int, item: Item, verify: int) -> str:
     pictures = "".join(
         picture_html(picture, f"{item.title}{f', {suffix}' if suffix else ''}")
         for suffix, picture in item.figures.items()
@@ -57,7 +62,10 @@ def _section(number: int, item: Item) -> str:
         f"<details><summary>Settings</summary>{_settings(item)}</details>",
     ]
     if item.configuration is not None:
-        parts.append(f"<h3>What the theory says here</h3>{bounds_html(item.configuration)}")
+        parts += [
+            f"<h3>What the theory says here</h3>{bounds_html(item.configuration)}",
+            f"<h3>Certificate</h3>{certificates_html(item.directory, item.data, verify)}",
+        ]
     return "".join([*parts, "</section>"])
 
 

@@ -31,6 +31,7 @@ def parser() -> argparse.ArgumentParser:
     )
     p.add_argument("--jobs", type=int, default=-1, help="processes (default: all cores); does not change the numbers")
     p.add_argument("--out", type=Path, help="results directory (default out/ENVIRONMENT-PRESET)")
+    p.add_argument("--log", action="store_true", help="keep each seed's log, which 'bridge-rl verify' checks")
     p.add_argument("--show-config", action="store_true", help="print the configuration as JSON and stop")
     return p
 
@@ -47,7 +48,7 @@ def main(argv: list[str]) -> int:
     from bridge_algos.run.summary import table
 
     directory = options.out or Path("out") / f"{Path(options.environment).stem}-{options.preset}"
-    results = run(config, directory, options.seeds, options.jobs)
+    results = run(config, directory, options.seeds, options.jobs, log=options.log)
     print(table(results))
     paths = plots.save(plots.figure(results), directory / "regret")
     print("\nfigures: " + ", ".join(str(path) for path in paths))

@@ -2,50 +2,56 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import xarray as xr
-from joblib import Parallel, delayed
-from tqdm import tqdm
 
 from bridge_algos.run.config import RunConfig
+from bridge_algos.run.log import log_path, logged_seed, save_log
+from bridge_algos.run.parallel import check_jobs, for_each
 from bridge_algos.run.seed import run_seed
 from bridge_algos.run.store import load_run, open_run, save_seed
 from bridge_algos.run.world import World, build_oracle, build_world
 from bridge_theory.errors import InputError
 
 
-def run(config: RunConfig, directory: Path, seeds: int, jobs: int = 1, progress: bool | None = None) -> xr.Dataset:
+def run(
+    config: RunConfig,
+    directory: Path,
+    seeds: int,
+    jobs: int = 1,
+    progress: bool | None = None,
+    log: bool = False,
+) -> xr.Dataset:
     """Run seeds 0..seeds-1 of a configuration, skipping those that the directory already holds.
 
     Args:
         directory: where results go; see :mod:`bridge_algos.run.store`.
         seeds: at least 1.
-        jobs: processes, -1 for all cores. The numbers do not depend on it. A Dask or Ray cluster does the work inside
-            ``with joblib.parallel_config(backend="dask")``.
-        progress: show a bar over seeds; None shows one when standard error is a terminal.
+        jobs, progress: see :func:`bridge_algos.run.parallel.for_each`. The numbers do not depend on them.
+        log: keep each seed's log for ``bridge-rl verify`` too; a finished seed without one is run again for it.
 
     Returns:
         All stored seeds as one data set; see :func:`bridge_algos.run.store.load_run`.
     """
     if seeds < 1:
         raise InputError(f"seeds is {seeds}, expected at least 1.")
-    if jobs == 0:
-        raise InputError("jobs is 0, expected a positive number of processes, or -1 for all cores.")
+    check_jobs(jobs)
     world = build_world(config)
     build_oracle(config, world)  # a mistake in its options shows before anything is written
     finished = open_run(directory, config)
+    if log:
+        finished &= {seed for seed in finished if log_path(directory, seed).exists()}
     missing = [seed for seed in range(seeds) if seed not in finished]
-    show = sys.stderr.isatty() if progress is None else progress
-    with tqdm(total=seeds, initial=seeds - len(missing), unit="seed", desc=config.environment, disable=not show) as bar:
-        if missing:
-            work = Parallel(n_jobs=jobs, return_as="generator_unordered", batch_size=1)
-            for _ in work(delayed(_one)(config, world, seed, directory) for seed in missing):
-                bar.update()
+    work = [(config, world, seed, directory, log) for seed in missing]
+    for_each(_one, work, jobs, config.environment, "seed", seeds - len(missing), progress)
     return load_run(directory)
 
 
-def _one(config: RunConfig, world: World, seed: int, directory: Path) -> int:
-    save_seed(directory, run_seed(config, world, seed))
-    return seed
+def _one(config: RunConfig, world: World, seed: int, directory: Path, log: bool) -> None:
+    if log:
+        dataset, written = logged_seed(config, world, seed)
+        save_log(log_path(directory, seed), written)
+    else:
+        dataset = run_seed(config, world, seed)
+    save_seed(directory, dataset)

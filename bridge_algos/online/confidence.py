@@ -76,7 +76,7 @@ def fixed(gamma: float, bonus_multiplier: float, n_states: int, n_actions: int, 
         rooted = np.sqrt(log_pairs / np.maximum(counts, 1))
         return np.asarray(bonus_multiplier * np.where(counts > 0, np.minimum(log_pairs, rooted), log_pairs))
 
-    return Confidence("fixed", lambda _: gamma, step_bonus, horizon, np.inf, "expected", lam)
+    return Confidence("fixed", lambda _: float(gamma), step_bonus, horizon, np.inf, "expected", lam)
 
 
 def stated(

@@ -1,23 +1,30 @@
-"""``bridge-rl reproduce``: a named figure of the paper from its configuration file, beside the published figures."""
+"""``bridge-rl reproduce``: a named figure or table from its configuration file, beside the published figures.
+
+A configuration, ``experiments/configs/NAME.json``, has a ``title``, a ``study``, its ``settings``, and in ``quick`` the
+settings that a seconds-long version changes. The study is a module of :mod:`experiments.studies` with three functions:
+
+    compute(settings, directory, jobs) -> Dataset    resumable; a function of the settings alone
+    figures(data) -> {suffix: Figure}                ``""`` is the suffix of an only figure
+    words(data) -> str                               what was found: published figures, ours, and whether they agree
+"""
 
 from __future__ import annotations
 
-import argparse
+import importlib
 import json
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-import xarray as xr
-
 from bridge_algos.files import atomic_write_text
+from bridge_algos.netcdf import save_dataset
 from bridge_algos.run import plots
-from bridge_algos.run.config import RunConfig
-from bridge_algos.run.runner import run
-from bridge_algos.run.summary import table
+from bridge_algos.run.parallel import check_jobs
+from bridge_algos.run.versions import package_versions
 from bridge_theory.cli.options import Parser
 from bridge_theory.errors import InputError
-from experiments.published import comparison_text, draw_beside, published_curves
+
+DATA = "data.nc"
 
 
 def names() -> list[str]:
@@ -26,41 +33,63 @@ def names() -> list[str]:
 
 
 def main(argv: list[str]) -> int:
-    """Reproduce figures; finished seeds are kept, so that a killed run continues."""
-    p = Parser(prog="bridge-rl reproduce", description="Reproduce the paper's figures, beside the published ones.")
+    """Reproduce figures and tables; finished parts are kept, so that a killed reproduction continues."""
+    p = Parser(prog="bridge-rl reproduce", description="Reproduce figures and tables, beside the published ones.")
     p.add_argument("names", nargs="+", metavar="NAME", help=f"all, or some of {', '.join(names())}")
     p.add_argument("--out", type=Path, default=Path("out"), help="directory for results and figures (default out)")
     p.add_argument("--seeds", type=int, help="number of seeds (default: the configuration's)")
     p.add_argument("--jobs", type=int, default=-1, help="processes (default: all cores); does not change the numbers")
-    p.add_argument("--quick", action="store_true", help="three seeds, in its own directory: to see that it works")
+    p.add_argument("--quick", action="store_true", help="a small version, in its own directory: to see that it works")
     options = p.parse_args(argv)
-    for name in names() if options.names == ["all"] else options.names:
-        reproduce(name, options)
+    check_jobs(options.jobs)
+    chosen = names() if options.names == ["all"] else options.names
+    configurations = {name: configuration(name, options.quick, options.seeds) for name in chosen}
+    for name, described in configurations.items():
+        directory = options.out / (f"{name}-quick" if options.quick else name)
+        print(reproduce(name, described, directory, options.jobs) + "\n")
     return 0
 
 
-def reproduce(name: str, options: argparse.Namespace) -> None:
-    """Run one configuration; write its results, figure and text, and print the text."""
+def configuration(name: str, quick: bool = False, seeds: int | None = None) -> dict[str, Any]:
+    """A configuration with its final settings.
+
+    Raises:
+        InputError: for an unknown name, or where ``seeds`` is given and the study has no seeds.
+    """
     if name not in names():
         raise InputError(f"there is nothing to reproduce named {name!r}; expected all or some of {', '.join(names())}.")
-    described = json.loads(files("experiments").joinpath(f"configs/{name}.json").read_text())
-    config = RunConfig.from_json(json.dumps(described["configuration"]))
-    seeds = 3 if options.quick else options.seeds if options.seeds is not None else described["seeds"]
-    directory = options.out / (f"{name}-quick" if options.quick else name)
-    results = run(config, directory, seeds, options.jobs)
-    curves = published_curves(config.environment)
-    text = f"{described['title']}\n\n{table(results)}\n"
-    if curves is not None:
-        text += f"\n{comparison_text(results, curves)}\n"
+    described: dict[str, Any] = json.loads(files("experiments").joinpath(f"configs/{name}.json").read_text())
+    settings = _merged(described["settings"], described["quick"] if quick else {})
+    if seeds is not None:
+        if "seeds" not in settings:
+            raise InputError(f"--seeds {seeds} does not apply to {name!r}, which has no seeds; leave it out there.")
+        settings["seeds"] = seeds
+    return {**described, "settings": settings}
+
+
+def reproduce(name: str, described: dict[str, Any], directory: Path, jobs: int) -> str:
+    """Compute, then write ``data.nc``, the figures and ``NAME.txt`` into ``directory``; returns the text."""
+    study = importlib.import_module(f"experiments.studies.{described['study']}")
+    settings, title = described["settings"], described["title"]
+    data = study.compute(settings, directory, jobs)
+    data.attrs = {
+        "versions": json.dumps(package_versions()),
+        **data.attrs,
+        "title": title,
+        "study": described["study"],
+        "settings": json.dumps(settings, sort_keys=True),
+    }
+    save_dataset(directory / DATA, data)
+    text = f"{title}\n\n{study.words(data)}\n"
     atomic_write_text(directory / f"{name}.txt", text)
-    print(text)
-    paths = plots.save(_figure(results, curves), directory / name)
-    print("figures: " + ", ".join(str(path) for path in paths) + "\n")
+    paths = []
+    for suffix, picture in study.figures(data).items():
+        paths += plots.save(picture, directory / (f"{name}-{suffix}" if suffix else name))
+    return f"{text}\nfigures: {', '.join(str(path) for path in paths)}"
 
 
-def _figure(results: xr.Dataset, curves: dict[str, Any] | None) -> Any:
-    picture = plots.figure(results)
-    if curves is not None:
-        regret, size = picture.axes
-        draw_beside(regret, size, curves)
-    return picture
+def _merged(settings: dict[str, Any], changes: dict[str, Any]) -> dict[str, Any]:
+    """``settings`` with ``changes``, which may reach into nested entries."""
+    return settings | {
+        key: _merged(settings[key], value) if isinstance(value, dict) else value for key, value in changes.items()
+    }

@@ -142,6 +142,7 @@ def test_the_certified_set_shrinks_and_keeps_the_optimum() -> None:
             assert record["set_size"][0] == 3
             assert record["set_size"][-1] < 3
             kept.append(record["optimum_kept"][-1])
+            assert record["optimum_ruled_out"][-1] == 1 - kept[-1]
         assert np.mean(kept) == expected
 
 

@@ -119,6 +119,7 @@ RECORDED = (
     "suboptimality",
     "set_size",
     "optimum_kept",
+    "optimum_ruled_out",
     "weight_error",
     "uncertainty",
     "bonus_sum",
@@ -141,7 +142,8 @@ def run_online(
     Regrets are exact under the real dynamics and never clipped; ``pseudo_regret`` is that of the round's pair against
     ``problem.optimum``, ``suboptimality`` that of the greedy policy after the round against the expert. ``first`` and
     ``second`` index the pair in ``learner.policies``. ``optimum_kept``: an optimal policy is among those searched, and
-    the optimum is not ruled out.
+    the optimum is not ruled out. ``optimum_ruled_out``: some policy searched beats the optimum beyond the confidence
+    width, so that it would not be in Pi_t even if it were searched.
 
     ``log`` receives what a checker needs to recompute a round, as a plain record: ``pair`` (2,) indices, ``w`` (d,)
     that the round used and ``w_next`` (d,) fitted after it, ``states`` and ``actions`` (2, K, H) of the trajectories
@@ -178,6 +180,7 @@ def run_online(
             "suboptimality": problem.expert_return - returns[greedy],
             "set_size": kept.sum(),
             "optimum_kept": searched and optimum_kept,
+            "optimum_ruled_out": not optimum_kept,
             "weight_error": np.nan if problem.w_star is None else np.linalg.norm(view.w - problem.w_star),
             "uncertainty": norm,
             "bonus_sum": bonuses,

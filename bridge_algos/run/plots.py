@@ -77,11 +77,15 @@ def finish(axes: Any) -> None:
 
 
 def save(picture: Any, stem: Path) -> list[Path]:
-    """Put one legend for all panels below them; write ``stem``.png and ``stem``.pdf whole or not at all."""
+    """Write ``stem``.png and ``stem``.pdf whole or not at all, with one legend for all panels below them.
+
+    A picture that has legends of its own, or no labelled curve, gets none.
+    """
     curves = {
         label: line for axes in picture.axes for line, label in zip(*axes.get_legend_handles_labels(), strict=True)
     }
-    picture.legend(curves.values(), curves, loc="outside lower center", ncols=4, fontsize=8, frameon=False)
+    if curves and not picture.legends and all(axes.get_legend() is None for axes in picture.axes):
+        picture.legend(curves.values(), curves, loc="outside lower center", ncols=4, fontsize=8, frameon=False)
     paths = [stem.with_suffix(".png"), stem.with_suffix(".pdf")]
     for path in paths:
         buffer = io.BytesIO()

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import xarray as xr
-from joblib import Parallel, delayed
-from tqdm import tqdm
 
 from bridge_algos.run.config import RunConfig
+from bridge_algos.run.parallel import check_jobs, for_each
 from bridge_algos.run.seed import run_seed
 from bridge_algos.run.store import load_run, open_run, save_seed
 from bridge_algos.run.world import World, build_oracle, build_world
@@ -22,30 +20,22 @@ def run(config: RunConfig, directory: Path, seeds: int, jobs: int = 1, progress:
     Args:
         directory: where results go; see :mod:`bridge_algos.run.store`.
         seeds: at least 1.
-        jobs: processes, -1 for all cores. The numbers do not depend on it. A Dask or Ray cluster does the work inside
-            ``with joblib.parallel_config(backend="dask")``.
-        progress: show a bar over seeds; None shows one when standard error is a terminal.
+        jobs, progress: see :func:`bridge_algos.run.parallel.for_each`. The numbers do not depend on them.
 
     Returns:
         All stored seeds as one data set; see :func:`bridge_algos.run.store.load_run`.
     """
     if seeds < 1:
         raise InputError(f"seeds is {seeds}, expected at least 1.")
-    if jobs == 0:
-        raise InputError("jobs is 0, expected a positive number of processes, or -1 for all cores.")
+    check_jobs(jobs)
     world = build_world(config)
     build_oracle(config, world)  # a mistake in its options shows before anything is written
     finished = open_run(directory, config)
     missing = [seed for seed in range(seeds) if seed not in finished]
-    show = sys.stderr.isatty() if progress is None else progress
-    with tqdm(total=seeds, initial=seeds - len(missing), unit="seed", desc=config.environment, disable=not show) as bar:
-        if missing:
-            work = Parallel(n_jobs=jobs, return_as="generator_unordered", batch_size=1)
-            for _ in work(delayed(_one)(config, world, seed, directory) for seed in missing):
-                bar.update()
+    work = [(config, world, seed, directory) for seed in missing]
+    for_each(_one, work, jobs, config.environment, "seed", seeds - len(missing), progress)
     return load_run(directory)
 
 
-def _one(config: RunConfig, world: World, seed: int, directory: Path) -> int:
+def _one(config: RunConfig, world: World, seed: int, directory: Path) -> None:
     save_seed(directory, run_seed(config, world, seed))
-    return seed

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from importlib.metadata import version
 from typing import Any
 
 import numpy as np
@@ -13,19 +12,15 @@ from threadpoolctl import threadpool_limits
 from bridge_algos.evaluation import expected_return, expected_returns
 from bridge_algos.hellinger import squared_hellinger
 from bridge_algos.mdp import FloatArray, IntArray
-from bridge_algos.offline.cloning import action_counts, add_action_noise, clone_deterministic
 from bridge_algos.offline.policy_set import PolicySet
-from bridge_algos.offline.transitions import transition_counts
-from bridge_algos.offline.version_space import closed_estimate
 from bridge_algos.online.loop import RECORDED, OnlineProblem, run_online
 from bridge_algos.run.config import RunConfig
-from bridge_algos.run.learners import make_learner, transition_fit
+from bridge_algos.run.learners import make_learner
+from bridge_algos.run.offline import offline_stage
 from bridge_algos.run.streams import stream
+from bridge_algos.run.versions import package_versions
 from bridge_algos.run.world import World, build_oracle, caveats
-from bridge_algos.trajectories import sample_trajectories
 from bridge_theory.errors import InputError
-
-PACKAGES = ("bridge-rl", "numpy", "scipy", "xarray", "cvxpy", "highspy", "python-flint", "gymnasium")
 
 UNITS = {
     "first": "index of a policy searched",
@@ -34,6 +29,7 @@ UNITS = {
     "suboptimality": "reward per trajectory",
     "set_size": "policies",
     "optimum_kept": "1 = yes",
+    "optimum_ruled_out": "1 = yes",
     "weight_error": "norm of w",
     "uncertainty": "norm of phi in the inverse data matrix",
     "bonus_sum": "utility",
@@ -56,43 +52,34 @@ def run_seed(config: RunConfig, world: World, seed: int) -> xr.Dataset:
 
 def _run_seed(config: RunConfig, world: World, seed: int) -> xr.Dataset:
     mdp = world.mdp
-    clean = world.demonstrations
-    if clean is None:
-        clean = sample_trajectories(mdp, world.expert.policy, config.n_demonstrations, stream(seed, "demonstrations"))
-    demonstrations = add_action_noise(clean, config.noise, mdp.n_actions, stream(seed, "noise"))
-    pairs = action_counts(demonstrations, mdp.n_states, mdp.n_actions)
-    counts = transition_counts(demonstrations, mdp.n_states, mdp.n_actions)
-    clone = clone_deterministic(pairs, stream(seed, "ties"), config.tie_break)
-    estimate = mdp.dynamics.under(transition_fit(config, stream(seed, "network"))(counts))
-    radius = world.radii[config.radius] if isinstance(config.radius, str) else float(config.radius)
+    stage = offline_stage(config, world, seed)
+    radius, clone = stage.radius, stage.clone
     problem = OnlineProblem(
         mdp, world.embedding, build_oracle(config, world), world.optimum, world.expert.expected_return, world.w_star
     )
-    version_space = PolicySet(closed_estimate(mdp, demonstrations, counts), clone, 0.0)
-    offline = version_space if config.radius == "zero" else PolicySet(estimate, clone, radius)
     records, best = {}, {}
     for name in config.algorithms:
         if name == "bc":
             records[name] = _constant(config, world, clone)
             best[name] = records[name]["suboptimality"][0]
             continue
-        learner = make_learner(name, config, world, offline, counts, seed)
+        learner = make_learner(name, config, world, stage.offline_set, stage.transitions, seed)
         records[name] = run_online(problem, learner, config.rounds, stream(seed, name))
         best[name] = world.expert.expected_return - expected_returns(mdp, learner.policies).max()
-    distance = _expert_distance(world, PolicySet(estimate, clone, radius))
+    distance = _expert_distance(world, PolicySet(stage.estimate, clone, radius))
     scalars = {
         "clone_return": (expected_return(mdp, clone), "reward per trajectory"),
         "expert_distance": (distance, "Hellinger distance to the clone under the estimate"),
-        "optimum_in_offline_set": (float(offline.contains(world.optimum)), "1 = yes"),
-        "states_visited": (float((pairs.sum(axis=1) > 0).sum()), "states"),
+        "optimum_in_offline_set": (float(stage.offline_set.contains(world.optimum)), "1 = yes"),
+        "states_visited": (float((stage.pairs.sum(axis=1) > 0).sum()), "states"),
         "radius": (radius, "Hellinger distance"),
-        "offline_set_count": (_count(offline), "policies"),
+        "offline_set_count": (_count(stage.offline_set), "policies"),
     }
     for name, value in world.radii.items():
         if name == "stated-known":  # of the real dynamics, where the distances here are under the estimate
             continue
         scalars[f"radius_{name}"] = (value, "Hellinger distance")
-        within = _expert_distance(world, version_space) == 0 if name == "zero" else distance <= value
+        within = _expert_distance(world, stage.version_space) == 0 if name == "zero" else distance <= value
         scalars[f"expert_in_{name}"] = (float(within), "1 = yes")
     return _dataset(config, world, seed, records, scalars).assign(
         best_candidate=("algorithm", list(best.values()), {"units": "reward per trajectory below the expert"})
@@ -144,7 +131,7 @@ def _dataset(
         attrs={
             "title": f"BRIDGE companion: {config.environment}, seed {seed}",
             "configuration": config.to_json(),
-            "versions": json.dumps({package: _version(package) for package in PACKAGES}),
+            "versions": json.dumps(package_versions()),
             "caveats": json.dumps(caveats(config, world)),
             "expert": world.expert.describe(),
             "expert_return": world.expert.expected_return,
@@ -153,10 +140,3 @@ def _dataset(
             "utility_scale": world.utility_scale,
         },
     )
-
-
-def _version(package: str) -> str:
-    try:
-        return version(package)
-    except ModuleNotFoundError:
-        return "not installed"

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Final
 
 import xarray as xr
 
-from bridge_algos.files import atomic_path, atomic_write_text
+from bridge_algos.files import atomic_write_text
+from bridge_algos.netcdf import load_dataset, save_dataset, short_text
 from bridge_algos.run.config import RunConfig
 from bridge_theory.errors import InputError
 
-ENGINE: Final = "h5netcdf"
+_REMEDY = "move it away and run again to redo that seed"
 
 
 def open_run(directory: Path, config: RunConfig) -> set[int]:
@@ -30,7 +30,7 @@ def open_run(directory: Path, config: RunConfig) -> set[int]:
     try:
         atomic_write_text(described, config.to_json() + "\n")
     except OSError as error:
-        raise InputError(f"{directory} cannot be written to ({_short(error)}); choose another --out.") from None
+        raise InputError(f"{directory} cannot be written to ({short_text(error)}); choose another --out.") from None
     for path in seed_files(directory):
         _load(path, config)
     return {_seed_of(path) for path in seed_files(directory)}
@@ -43,8 +43,7 @@ def seed_files(directory: Path) -> list[Path]:
 
 def save_seed(directory: Path, dataset: xr.Dataset) -> None:
     """Write the data set of one seed."""
-    with atomic_path(directory / f"seed-{int(dataset.seed):05d}.nc") as temporary:
-        dataset.to_netcdf(str(temporary), engine=ENGINE)
+    save_dataset(directory / f"seed-{int(dataset.seed):05d}.nc", dataset)
 
 
 def load_run(directory: Path) -> xr.Dataset:
@@ -65,14 +64,11 @@ def load_run(directory: Path) -> xr.Dataset:
 
 
 def _load(path: Path, config: RunConfig) -> xr.Dataset:
+    dataset = load_dataset(path, _REMEDY)
     try:
-        with xr.open_dataset(path, engine=ENGINE) as stored:
-            dataset = stored.load()
         same = RunConfig.from_json(dataset.attrs["configuration"]) == config
-    except (OSError, KeyError, ValueError) as error:
-        raise InputError(
-            f"{path} is not a readable result file ({_short(error)}); move it away and run again to redo that seed."
-        ) from None
+    except (KeyError, ValueError) as error:
+        raise InputError(f"{path} is not a readable result file ({short_text(error)}); {_REMEDY}.") from None
     if not same:
         raise InputError(f"{path} belongs to another configuration; move it away and run again.")
     return dataset
@@ -82,7 +78,9 @@ def _text(path: Path) -> str:
     try:
         return path.read_text()
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path} cannot be read ({_short(error)}); it should hold the run's configuration.") from None
+        raise InputError(
+            f"{path} cannot be read ({short_text(error)}); it should hold the run's configuration."
+        ) from None
 
 
 def _seed_of(path: Path) -> int:
@@ -90,7 +88,3 @@ def _seed_of(path: Path) -> int:
     if match is None:
         raise InputError(f"{path} is not named seed-NUMBER.nc; move it out of the results directory.")
     return int(match[1])
-
-
-def _short(error: Exception) -> str:
-    return str(error).splitlines()[0][:120] if str(error) else type(error).__name__

@@ -58,16 +58,16 @@ def verdict(gap: Mean) -> str:
 
 
 def table(results: xr.Dataset) -> str:
-    """The run as a text table: one row an algorithm, then the paper's comparisons."""
+    """The run as a text table: one row an algorithm, then the paper's comparisons; times where they are recorded."""
     algorithms = [str(name) for name in results.algorithm.values]
     rounds, seeds = results.sizes["round"], results.sizes["seed"]
-    rows = [("algorithm", "cum. suboptimality", "cum. pseudo-regret", "last |Pi_t|", "ms/round")]
+    timed = "seconds" in results
+    rows = [("algorithm", "cum. suboptimality", "cum. pseudo-regret", "last |Pi_t|", *(["ms/round"] if timed else []))]
     for name in algorithms:
         own = results.sel(algorithm=name)
         size = Mean(*(float(v) for v in mean_over_seeds(np.asarray(own.set_size[:, -1]))))
-        milliseconds = 1e3 * float(own.seconds.median())
         regrets = (str(final(results, "suboptimality", name)), str(final(results, "pseudo_regret", name)))
-        rows.append((name, *regrets, str(size), f"{milliseconds:.2f}" if np.isfinite(milliseconds) else "-"))
+        rows.append((name, *regrets, str(size), *([_milliseconds(own)] if timed else [])))
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
     lines = [f"{results.attrs['title']}, after {rounds} rounds (mean ± 95 % half-width over {seeds} seeds)"]
     lines += [
@@ -79,6 +79,11 @@ def table(results: xr.Dataset) -> str:
     ]
     lines += ["", *comparisons(results), *_offline_lines(results)]
     return "\n".join(lines)
+
+
+def _milliseconds(own: xr.Dataset) -> str:
+    milliseconds = 1e3 * float(own.seconds.median())
+    return f"{milliseconds:.2f}" if np.isfinite(milliseconds) else "-"
 
 
 def comparisons(results: xr.Dataset) -> list[str]:

@@ -5,7 +5,8 @@ A file ``counterexamples/NAME.json`` has the fields
 - ``label``, ``part``: the claim it breaks; ``sentence``: what breaks, in one sentence; ``kind``: its evaluator;
 - ``data``: the instance; every number a string: ``"9/25"``. Finite MDPs use ``states`` (names), ``initial``
   (a row), ``kernels`` (LaTeX name -> rows ``[s][a][s']``), ``policies`` (LaTeX name -> an action per state, or rows
-  per state) and ``horizon``, so that they can be drawn;
+  per state) and ``horizon``, so that they can be drawn; an instance that one can run names its ``environment``, whose
+  numbers ``bridge_algos.envs.counterexamples`` holds, and adds what is its own;
 - ``left``, ``relation``, ``right``: the inequality that the paper claims, each side with its ``latex`` and its
   ``value``: ``"29/125"``, or a rational enclosure ``["0.12", "0.13"]``;
 - ``controls``: nearby instances where the same inequality is *not* violated: a ``name`` and the ``data`` keys that
@@ -24,6 +25,7 @@ from functools import cache
 from importlib import resources
 from typing import Any, Literal, TypeAlias
 
+from bridge_algos.envs.counterexamples import instance
 from bridge_theory.errors import InputError
 from proofs_checks.outcome import Outcome, Tally
 
@@ -111,9 +113,11 @@ def parse(name: str, record: Mapping[str, Any]) -> Counterexample:
         raise InputError(f"counterexample {name}: relation {record['relation']!r} is none of {', '.join(_VIOLATED)}")
     if not record["controls"]:
         raise InputError(f"counterexample {name} has no control: add a nearby instance where the inequality holds")
-    _refuse_floats(name, record["data"])
+    environment = record["data"].get("environment")
+    data = {**(instance(environment) if environment else {}), **record["data"]}
+    _refuse_floats(name, data)
     return Counterexample(
-        name, record["label"], record.get("part", ""), record["sentence"], record["kind"], record["data"],
+        name, record["label"], record.get("part", ""), record["sentence"], record["kind"], data,
         _side(record["left"]), record["relation"], _side(record["right"]),
         tuple(Control(control["name"], control["data"]) for control in record["controls"]),
     )  # fmt: skip

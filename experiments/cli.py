@@ -10,6 +10,7 @@ from bridge_theory.errors import ComputationError, InputError
 
 SUBCOMMANDS = {
     "run": ("bridge_algos.run.cli", "run BRIDGE, PbRL and BC on a tabular environment"),
+    "compare": ("experiments.compare.cli", "empirical regret beside every version of the theory"),
     "reproduce": ("experiments.reproduce", "reproduce the paper's figures, beside the published ones"),
     "bounds": ("experiments.bounds", "evaluate the paper's bounds for a setting"),
     "check": ("proofs_checks.cli", "is each statement of the paper true? run the machine evidence"),

@@ -100,6 +100,14 @@ def load(name: str) -> Counterexample:
     return parse(name, json.loads(file.read_text(encoding="utf-8")))
 
 
+@cache
+def on_environment(environment: str) -> tuple[Counterexample, ...]:
+    """The stored counterexamples whose instance is the environment of that name."""
+    folder = resources.files("proofs_checks").joinpath("counterexamples")
+    names = sorted(file.name.removesuffix(".json") for file in folder.iterdir() if file.name.endswith(".json"))
+    return tuple(load(name) for name in names if load(name).data.get("environment") == environment)
+
+
 def parse(name: str, record: Mapping[str, Any]) -> Counterexample:
     """Validate one record of the schema above."""
     wanted = {"label", "sentence", "kind", "data", "left", "relation", "right", "controls"}

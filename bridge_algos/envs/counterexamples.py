@@ -11,6 +11,8 @@ from fractions import Fraction
 from functools import cache
 from importlib.resources import files
 
+import numpy as np
+
 from bridge_algos.mdp import TabularMDP
 from bridge_theory.errors import InputError
 
@@ -52,10 +54,10 @@ def two_actions(horizon: int = 1) -> TabularMDP:
     """
     pay = float(Fraction(instance("counterexample-known-model")["B"]))
     return TabularMDP(
-        transitions=[[[1.0], [1.0]]],
-        initial=[1.0],
+        transitions=np.ones((1, 2, 1)),
+        initial=np.ones(1),
         horizon=horizon,
-        reward=[[pay, -pay]],
+        reward=np.array([[pay, -pay]]),
         name="two actions",
         action_names=("+", "-"),
     )

@@ -13,6 +13,7 @@ SUBCOMMANDS = {
     "compare": ("experiments.compare.cli", "empirical regret beside every version of the theory"),
     "reproduce": ("experiments.reproduce", "reproduce the paper's figures, beside the published ones"),
     "bounds": ("experiments.bounds", "evaluate the paper's bounds for a setting"),
+    "verify": ("proofs_checks.verify.cli", "does a run's log prove its regret bounds?"),
     "check": ("proofs_checks.cli", "is each statement of the paper true? run the machine evidence"),
     "plan": ("bridge_theory.cli.plan", "how many demonstrations or queries a target needs"),
 }

@@ -6,7 +6,7 @@ A file ``counterexamples/NAME.json`` has the fields
 - ``data``: the instance; every number a string: ``"9/25"``. Finite MDPs use ``states`` (names), ``initial``
   (a row), ``kernels`` (LaTeX name -> rows ``[s][a][s']``), ``policies`` (LaTeX name -> an action per state, or rows
   per state) and ``horizon``, so that they can be drawn; an instance that one can run names its ``environment``, whose
-  numbers ``bridge_algos.envs.counterexamples`` holds, and adds what is its own;
+  numbers stand in ``bridge_algos/envs/counterexamples.json``, and adds what is its own;
 - ``left``, ``relation``, ``right``: the inequality that the paper claims, each side with its ``latex`` and its
   ``value``: ``"29/125"``, or a rational enclosure ``["0.12", "0.13"]``;
 - ``controls``: nearby instances where the same inequality is *not* violated: a ``name`` and the ``data`` keys that
@@ -25,7 +25,6 @@ from functools import cache
 from importlib import resources
 from typing import Any, Literal, TypeAlias
 
-from bridge_algos.envs.counterexamples import instance
 from bridge_theory.errors import InputError
 from proofs_checks.outcome import Outcome, Tally
 
@@ -122,7 +121,7 @@ def parse(name: str, record: Mapping[str, Any]) -> Counterexample:
     if not record["controls"]:
         raise InputError(f"counterexample {name} has no control: add a nearby instance where the inequality holds")
     environment = record["data"].get("environment")
-    data = {**(instance(environment) if environment else {}), **record["data"]}
+    data = {**(_instance(name, environment) if environment else {}), **record["data"]}
     _refuse_floats(name, data)
     return Counterexample(
         name, record["label"], record.get("part", ""), record["sentence"], record["kind"], data,
@@ -181,6 +180,16 @@ _VIOLATED: dict[str, Callable[[tuple[Fraction, Fraction], tuple[Fraction, Fracti
 
 def _ends(value: Number) -> tuple[Fraction, Fraction]:
     return value if isinstance(value, tuple) else (value, value)
+
+
+@cache
+def _instance(name: str, environment: str) -> Mapping[str, Any]:
+    # data of another room, none of its code: evaluators share nothing with what they judge
+    text = resources.files("bridge_algos.envs").joinpath("counterexamples.json").read_text(encoding="utf-8")
+    instances: dict[str, dict[str, Any]] = json.loads(text)
+    if environment not in instances:
+        raise InputError(f"counterexample {name}: no environment {environment!r} in {', '.join(instances)}")
+    return instances[environment]
 
 
 def _side(record: Mapping[str, Any]) -> Side:

@@ -38,6 +38,7 @@ def add_options(p: argparse.ArgumentParser) -> None:
     )
     p.add_argument("--jobs", type=int, default=-1, help="processes (default: all cores); does not change the numbers")
     p.add_argument("--out", type=Path, help="results directory (default out/ENVIRONMENT-PRESET)")
+    p.add_argument("--log", action="store_true", help="keep each seed's log, which 'bridge-rl verify' checks")
 
 
 def main(argv: list[str]) -> int:
@@ -52,7 +53,7 @@ def main(argv: list[str]) -> int:
     from bridge_algos.run.summary import table
 
     directory = options.out or Path("out") / f"{Path(options.environment).stem}-{options.preset}"
-    results = run(config, directory, options.seeds, options.jobs)
+    results = run(config, directory, options.seeds, options.jobs, log=options.log)
     print(table(results))
     paths = plots.save(plots.figure(results), directory / "regret")
     print("\nfigures: " + ", ".join(str(path) for path in paths))

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,7 +15,7 @@ from bridge_algos.evaluation import expected_return, expected_returns
 from bridge_algos.hellinger import squared_hellinger
 from bridge_algos.mdp import FloatArray, IntArray
 from bridge_algos.offline.policy_set import PolicySet
-from bridge_algos.online.loop import RECORDED, OnlineProblem, run_online
+from bridge_algos.online.loop import RECORDED, Learner, OnlineProblem, run_online
 from bridge_algos.run.config import RunConfig
 from bridge_algos.run.learners import make_learner
 from bridge_algos.run.offline import offline_stage
@@ -25,6 +27,7 @@ from bridge_theory.errors import InputError
 UNITS = {
     "first": "index of a policy searched",
     "second": "index of a policy searched",
+    "greedy": "index of a policy searched",
     "pseudo_regret": "reward per trajectory",
     "suboptimality": "reward per trajectory",
     "set_size": "policies",
@@ -39,18 +42,24 @@ UNITS = {
 }
 
 
-def run_seed(config: RunConfig, world: World, seed: int) -> xr.Dataset:
+Log = Callable[[Learner, dict[str, Any]], None]
+
+
+def run_seed(config: RunConfig, world: World, seed: int, log: Log | None = None) -> xr.Dataset:
     """All algorithms of a configuration on one seed.
+
+    Args:
+        log: receives each learner's rounds as :func:`bridge_algos.online.loop.run_online` records them.
 
     Returns:
         A data set with one variable per name in ``RECORDED`` over (algorithm, round), the offline stage's numbers as
         scalars, and configuration, seed and versions as attributes. The numbers depend on configuration and seed only.
     """
     with threadpool_limits(1):
-        return _run_seed(config, world, seed)
+        return _run_seed(config, world, seed, log)
 
 
-def _run_seed(config: RunConfig, world: World, seed: int) -> xr.Dataset:
+def _run_seed(config: RunConfig, world: World, seed: int, log: Log | None) -> xr.Dataset:
     mdp = world.mdp
     stage = offline_stage(config, world, seed)
     radius, clone = stage.radius, stage.clone
@@ -64,7 +73,8 @@ def _run_seed(config: RunConfig, world: World, seed: int) -> xr.Dataset:
             best[name] = records[name]["suboptimality"][0]
             continue
         learner = make_learner(name, config, world, stage.offline_set, stage.transitions, seed)
-        records[name] = run_online(problem, learner, config.rounds, stream(seed, name))
+        keep = None if log is None else partial(log, learner)
+        records[name] = run_online(problem, learner, config.rounds, stream(seed, name), keep)
         best[name] = world.expert.expected_return - expected_returns(mdp, learner.policies).max()
     distance = _expert_distance(world, PolicySet(stage.estimate, clone, radius))
     scalars = {

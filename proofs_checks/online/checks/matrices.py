@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from fractions import Fraction
 
 import numpy as np
@@ -37,7 +38,7 @@ def exponential_moment(*, slope: int = 1) -> Outcome:
 def means_are_dominated(context: Context, *, factor: float = 1.0, log_factor: float = 1.0) -> Outcome:
     """sum of E_{t-1} Z_t <= e/(e-1) (sum of Z_t + log(1/delta)) for all T, for Z with adaptively chosen means."""
     runs, rounds = context.pick(quick=400, full=3000), 400
-    rng, c = context.rng(), factor * float(np.e / (np.e - 1))
+    rng, c = context.rng(), factor * math.e / (math.e - 1)
     means, seen = np.zeros(runs), np.zeros(runs)
     failed = np.zeros(runs, dtype=bool)
     base = 10.0 ** rng.uniform(-2, 0, runs)

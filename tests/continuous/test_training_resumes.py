@@ -49,12 +49,12 @@ def test_a_checkpoint_of_another_training_is_refused(reacher, tmp_path):
 
 
 def test_training_improves_the_policy(reacher, tmp_path):
-    """From about -40 (the untrained policy) by many standard errors, in 25 iterations."""
-    settings = replace(ppo.PRESETS["reacher"], iterations=25)
+    """By many standard errors, in 12 iterations."""
+    settings = replace(ppo.PRESETS["reacher"], iterations=12)
     first = ppo._policy(reacher, settings, ppo._fresh(reacher, settings, 0))
     trained = ppo.train(reacher, settings, 0, tmp_path / "c.npz")
     before, after = (evaluation(reacher, policy, episodes=100) for policy in (first, trained))
-    assert after["return"] > before["return"] + 2 and after["return"] > -8, (before, after)
+    assert after["return"] > before["return"] + 6 * np.hypot(before["standard_error"], after["standard_error"])
 
 
 def test_likelihoods_of_clipped_actions_are_a_distribution(reacher):

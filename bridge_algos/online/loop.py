@@ -11,7 +11,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -28,9 +28,48 @@ from bridge_algos.trajectories import Trajectories, sample_trajectories
 from bridge_theory.errors import InputError
 
 
+class Problem(Protocol):
+    """What the loop asks of a world; policies are rows that the problem understands.
+
+    :class:`OnlineProblem` computes in a tabular MDP, :class:`bridge_algos.continuous.problem.SimulatedProblem` plays in
+    a simulator. A simulator's trajectories have what embedding and oracle need, and the log's states and actions.
+    """
+
+    @property
+    def embedding(self) -> Any:
+        """phi, with its ``dimension`` and ``of_trajectories``."""
+
+    @property
+    def oracle(self) -> Oracle:
+        """Who answers."""
+
+    @property
+    def optimum(self) -> IntArray:
+        """The policy that regret is measured against in the theory."""
+
+    @property
+    def expert_return(self) -> float:
+        """The yardstick of the paper's figures."""
+
+    @property
+    def w_star(self) -> FloatArray | None:
+        """(d,) true weights, if they exist."""
+
+    def standing(self, policies: IntArray) -> tuple[FloatArray, float, bool]:
+        """Returns of the policies, that of the optimum, and whether a policy among them is as good."""
+
+    def look(
+        self, learner: Learner, counts: IntArray | None, policies: IntArray, rng: np.random.Generator
+    ) -> tuple[Dynamics | None, FloatArray, FloatArray]:
+        """The dynamics in use, the policies' features (N, d) and their bonuses (N,)."""
+
+    def sample(self, policy: IntArray, n: int, rng: np.random.Generator) -> Any:
+        """n independent trajectories of a policy in the real world."""
+
+
 @dataclass(frozen=True, eq=False)
 class OnlineProblem:
-    """What the loop needs to know about the world and its yardsticks.
+    """The problem of a tabular MDP, with its yardsticks: everything but the trajectories compared is computed.
 
     Args:
         mdp: the real environment.
@@ -48,6 +87,38 @@ class OnlineProblem:
     expert_return: float
     w_star: FloatArray | None = None
 
+    def standing(self, policies: IntArray) -> tuple[FloatArray, float, bool]:
+        """See :class:`Problem`; exact."""
+        returns = expected_returns(self.mdp, policies)
+        best = float(expected_returns(self.mdp, self.optimum[None])[0])
+        return returns, best, bool(returns.max() >= best - rounding_allowance(self.mdp))
+
+    def look(
+        self, learner: Learner, counts: IntArray | None, policies: IntArray, rng: np.random.Generator
+    ) -> tuple[Dynamics, FloatArray, FloatArray]:
+        """See :class:`Problem`; under the estimate from ``counts``, or the real dynamics where there are none."""
+        dynamics, costs = self.mdp.dynamics, None
+        if counts is not None:
+            dynamics = dynamics.under(learner.estimate(counts))
+            costs = learner.confidence.step_bonus(counts.sum(axis=2))
+        steps = learner.confidence.bonus_steps
+        if learner.rollouts is not None:
+            sample = sampled_features(dynamics, policies, self.embedding, learner.rollouts, rng, costs, steps)
+            return dynamics, sample.means, sample.costs
+        if isinstance(self.embedding, Embedding):
+            return dynamics, *expected_features(dynamics, policies, self.embedding, costs, steps)
+        raise InputError(
+            f"the embedding {self.embedding.name!r} is a function of whole trajectories, whose expectation can only "
+            "be sampled; give the learner a number of rollouts."
+        )
+
+    def sample(self, policy: IntArray, n: int, rng: np.random.Generator) -> Trajectories:
+        """See :class:`Problem`."""
+        return sample_trajectories(self.mdp, policy, n, rng)
+
+
+FITS = ("exact", "adam", "continual")
+
 
 @dataclass(frozen=True, eq=False)
 class Learner:
@@ -63,9 +134,12 @@ class Learner:
         slope: c of the fitted model sigma(c <x, w>).
         lam: lambda of the regularised likelihood.
         comparisons: K, how many pairs of trajectories are compared in a round.
-        fit: ``"exact"`` optimum, or the published runs' ten ``"adam"`` steps from a normalised vector of ones.
+        fit: ``"exact"`` optimum; the published tabular runs' ten ``"adam"`` steps from a normalised vector of ones; or
+            the published continuous runs' ``"continual"`` hundred steps from the weights of the round before, first
+            from a vector of ones of norm W, and not projected on the ball.
         rollouts: None for exact features, or the number of rollouts a policy.
         estimate: from pooled transition counts (S, A, S) to a kernel (S, A, S).
+        until_decided: ask nothing once Pi_t holds one policy, as in the published continuous runs.
     """
 
     name: str
@@ -80,10 +154,11 @@ class Learner:
     fit: str = "exact"
     rollouts: int | None = None
     estimate: Callable[[IntArray], FloatArray] = estimate_transitions
+    until_decided: bool = False
 
     def __post_init__(self) -> None:
-        if self.fit not in ("exact", "adam"):
-            raise InputError(f"fit is {self.fit!r}, expected 'exact' or 'adam'.")
+        if self.fit not in FITS:
+            raise InputError(f"fit is {self.fit!r}, expected one of {', '.join(FITS)}.")
         if self.policies.ndim != 2 or not len(self.policies):
             raise InputError(f"policies has shape {self.policies.shape}, expected (N, S) with at least one policy.")
 
@@ -105,7 +180,7 @@ class _Memory:
 class _View:
     """What the learner makes of its memory at the start of a round."""
 
-    dynamics: Dynamics
+    dynamics: Dynamics | None
     features: FloatArray
     bonus: FloatArray
     w: FloatArray
@@ -115,6 +190,7 @@ class _View:
 RECORDED = (
     "first",
     "second",
+    "greedy",
     "pseudo_regret",
     "suboptimality",
     "set_size",
@@ -131,7 +207,7 @@ RECORDED = (
 
 
 def run_online(
-    problem: OnlineProblem,
+    problem: Problem,
     learner: Learner,
     rounds: int,
     rng: np.random.Generator,
@@ -139,20 +215,18 @@ def run_online(
 ) -> dict[str, FloatArray]:
     """Play ``rounds`` rounds and return one array (rounds,) per name in ``RECORDED``.
 
-    Regrets are exact under the real dynamics and never clipped; ``pseudo_regret`` is that of the round's pair against
-    ``problem.optimum``, ``suboptimality`` that of the greedy policy after the round against the expert. ``first`` and
-    ``second`` index the pair in ``learner.policies``. ``optimum_kept``: an optimal policy is among those searched, and
-    the optimum is not ruled out. ``optimum_ruled_out``: some policy searched beats the optimum beyond the confidence
-    width, so that it would not be in Pi_t even if it were searched.
+    Regrets are the problem's (exact in a tabular MDP) and never clipped; ``pseudo_regret`` is that of the round's pair
+    against ``problem.optimum``, ``suboptimality`` that of the greedy policy after the round against the expert.
+    ``first``, ``second`` and ``greedy`` index ``learner.policies``. ``optimum_kept``: an optimal policy is among those
+    searched, and the optimum is not ruled out. ``optimum_ruled_out``: some policy searched beats the optimum beyond the
+    confidence width, so that it would not be in Pi_t even if it were searched.
 
     ``log`` receives what a checker needs to recompute a round, as a plain record: ``pair`` (2,) indices, ``w`` (d,)
     that the round used and ``w_next`` (d,) fitted after it, ``states`` and ``actions`` (2, K, H) of the trajectories
     compared, ``outcomes`` (K,), ``kept`` (N,), and the numbers ``gamma``, ``solver_error`` (of w),
     ``solver_error_next`` (of w_next), ``log_det``, ``uncertainty``, and ``bonus`` (2,) of the pair.
     """
-    returns = expected_returns(problem.mdp, learner.policies)
-    best = float(expected_returns(problem.mdp, problem.optimum[None])[0])
-    searched = bool(returns.max() >= best - rounding_allowance(problem.mdp))
+    returns, best, searched = problem.standing(learner.policies)
     policies = np.concatenate([learner.policies, problem.optimum[None]])
     memory = _start(problem, learner)
     view = _look(problem, learner, memory, policies, None, rng)
@@ -170,12 +244,15 @@ def run_online(
         norm, bonuses = float(np.linalg.norm(z[first] - z[second])), view.bonus[first] + view.bonus[second]
         log_det = float(np.linalg.slogdet(memory.matrix)[1])
         before = view
-        one, two, outcomes = _play(problem, learner, memory, view, (first, second), rng)
-        view = _look(problem, learner, memory, policies, view, rng)
+        asking = not (learner.until_decided and kept.sum() == 1)
+        if asking:
+            one, two, outcomes = _play(problem, learner, memory, view, (first, second), rng)
+            view = _look(problem, learner, memory, policies, view, rng)
         greedy = int((view.features[:-1] @ view.w).argmax())
         values = {
             "first": first,
             "second": second,
+            "greedy": greedy,
             "pseudo_regret": best - (returns[first] + returns[second]) / 2,
             "suboptimality": problem.expert_return - returns[greedy],
             "set_size": kept.sum(),
@@ -190,7 +267,7 @@ def run_online(
         }
         for name, value in values.items():
             record[name][t - 1] = value
-        if log is not None:
+        if log is not None and asking:
             log(
                 {
                     "pair": (first, second),
@@ -211,7 +288,7 @@ def run_online(
     return record
 
 
-def _start(problem: OnlineProblem, learner: Learner) -> _Memory:
+def _start(problem: Problem, learner: Learner) -> _Memory:
     d = problem.embedding.dimension
     matrix = learner.confidence.initial_scale * np.eye(d)
     counts = None if learner.counts is None else learner.counts.copy()
@@ -219,7 +296,7 @@ def _start(problem: OnlineProblem, learner: Learner) -> _Memory:
 
 
 def _look(
-    problem: OnlineProblem,
+    problem: Problem,
     learner: Learner,
     memory: _Memory,
     policies: IntArray,
@@ -228,32 +305,20 @@ def _look(
 ) -> _View:
     """Dynamics, features, bonuses and weights as the data so far have them."""
     w, error = _fit(learner, memory, previous)
-    exact = learner.rollouts is None
-    if previous is not None and exact and memory.counts is None:
+    if previous is not None and learner.rollouts is None and memory.counts is None:
         return replace(previous, w=w, error=error)
-    dynamics = problem.mdp.dynamics
-    costs = None
-    if memory.counts is not None:
-        dynamics = dynamics.under(learner.estimate(memory.counts))
-        costs = learner.confidence.step_bonus(memory.counts.sum(axis=2))
-    steps = learner.confidence.bonus_steps
-    if learner.rollouts is not None:
-        sample = sampled_features(dynamics, policies, problem.embedding, learner.rollouts, rng, costs, steps)
-        features, bonus = sample.means, sample.costs
-    elif isinstance(problem.embedding, Embedding):
-        features, bonus = expected_features(dynamics, policies, problem.embedding, costs, steps)
-    else:
-        raise InputError(
-            f"the embedding {problem.embedding.name!r} is a function of whole trajectories, whose expectation can only "
-            "be sampled; give the learner a number of rollouts."
-        )
+    dynamics, features, bonus = problem.look(learner, memory.counts, policies, rng)
     return _View(dynamics, features, np.minimum(bonus, learner.confidence.bonus_cap), w, error)
 
 
 def _fit(learner: Learner, memory: _Memory, previous: _View | None) -> tuple[FloatArray, float]:
     d = memory.x.shape[1]
+    continual = learner.fit == "continual"
     if previous is None or not len(memory.x):
-        return np.zeros(d), 0.0
+        return np.full(d, learner.weight_bound / d**0.5 if continual else 0.0), 0.0
+    if continual:
+        w = fit_adam(memory.x, memory.outcomes, learner.lam, previous.w, steps=100)
+        return w, projection_error(w, memory.x, memory.outcomes, learner.lam, memory.observed)
     if learner.fit == "adam":
         estimate = fit_adam(memory.x, memory.outcomes, learner.lam, np.full(d, d**-0.5))
     else:
@@ -263,16 +328,16 @@ def _fit(learner: Learner, memory: _Memory, previous: _View | None) -> tuple[Flo
 
 
 def _play(
-    problem: OnlineProblem,
+    problem: Problem,
     learner: Learner,
     memory: _Memory,
     view: _View,
     pair: tuple[int, int],
     rng: np.random.Generator,
-) -> tuple[Trajectories, Trajectories, FloatArray]:
+) -> tuple[Any, Any, FloatArray]:
     """Roll the pair out in the real environment, ask, and remember; returns trajectories and answers."""
-    mdp, k = problem.mdp, learner.comparisons
-    one, two = (sample_trajectories(mdp, learner.policies[i], k, rng) for i in pair)
+    k = learner.comparisons
+    one, two = (problem.sample(learner.policies[i], k, rng) for i in pair)
     outcomes = np.asarray(problem.oracle(one, two, rng), dtype=np.float64)
     if outcomes.shape != (k,) or not ((np.isnan(outcomes)) | ((outcomes >= 0) & (outcomes <= 1))).all():
         raise InputError(
@@ -289,8 +354,8 @@ def _play(
         expected = view.features[pair[0]] - view.features[pair[1]]
         memory.matrix = memory.matrix + np.outer(expected, expected)
     if memory.counts is not None:
-        if learner.confidence.needs_history:
+        if learner.confidence.needs_history and view.dynamics is not None:
             memory.counts_then.append(memory.counts.sum(axis=2))
             memory.played_visits.append(pair_visits(view.dynamics, learner.policies[list(pair)]))
-        memory.counts = memory.counts + sum(transition_counts(t, mdp.n_states, mdp.n_actions) for t in (one, two))
+        memory.counts = memory.counts + sum(transition_counts(t, *memory.counts.shape[:2]) for t in (one, two))
     return one, two, outcomes

@@ -27,7 +27,7 @@ def choose_pair(
     Args:
         rule: ``"uncertainty_and_bonus"`` maximises gamma ||z_i - z_j|| + b_i + b_j (algo:main line 7);
             ``"max_uncertainty"`` maximises ||z_i - z_j|| (algo:main_known); ``"ucb"`` plays the greedy policy against
-            the one with the largest optimistic advantage; ``"greedy_vs_random"`` plays it against a uniform one.
+            the one with the largest optimistic advantage; ``"greedy_vs_random"`` plays it against a uniform other one.
         kept: (N,) booleans, Pi_t; at least one is true.
         scores, z, bonus: (N,), (N, d), (N,) of all candidates.
         gamma: multiplier of the norm.
@@ -43,7 +43,8 @@ def choose_pair(
     elif rule == "ucb":
         first, second = greedy, int((s + gamma * np.linalg.norm(points - points[greedy], axis=1) + b).argmax())
     elif rule == "greedy_vs_random":
-        first, second = greedy, int(rng.integers(len(members)))
+        others = np.delete(np.arange(len(members)), greedy)
+        first, second = greedy, int(rng.choice(others)) if len(others) else greedy
     else:
         raise InputError(f"unknown pair rule {rule!r}; expected one of {', '.join(get_args(PairRule))}.")
     return int(members[first]), int(members[second])

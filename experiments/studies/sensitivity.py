@@ -129,7 +129,7 @@ def _figure(data: xr.Dataset, factors: list[str]) -> Any:
     config = configured(json.loads(data.attrs["settings"]))
     for (left, right), factor in zip(panels, factors, strict=True):
         own = series(data, factor)
-        x = np.arange(own.sizes["cell"])
+        x = np.arange(float(own.sizes["cell"]))
         _draw_frequencies(left, x, own)
         _draw_regrets(right, x, own)
         at_preset = int(np.flatnonzero(own.factor.values == PRESET)[0])

@@ -75,7 +75,9 @@ def make_embedding(name: str, n_states: int, n_actions: int, horizon: int) -> Em
         return np.asarray(states[t.states].sum(axis=1))
 
     def action_totals(per_state: PolicyStates, policies: Policies) -> FloatArray:
-        return np.asarray(np.einsum("ns,nsa->na", per_state, actions[policies]))
+        rows = n_actions * np.arange(len(policies))[:, None]
+        totals = np.bincount((rows + policies).ravel(), per_state.ravel(), len(policies) * n_actions)
+        return totals.reshape(len(policies), n_actions)
 
     def short(occupancy: Occupancies, policies: Policies) -> Features:
         visits = occupancy.sum(axis=1)
@@ -176,7 +178,7 @@ def expected_features(
         features[where] = embedding.expectation(occupancy, block)
         if step_costs is not None and steps:
             visits = occupancy[:, :steps].sum(axis=1)
-            costs[where] = np.einsum("ns,ns->n", visits, step_costs[every_state, block])
+            costs[where] = np.vecdot(visits, step_costs[every_state, block])
     return features, costs
 
 

@@ -11,7 +11,9 @@ from bridge_theory.errors import ComputationError, InputError
 SUBCOMMANDS = {
     "run": ("bridge_algos.run.cli", "run BRIDGE, PbRL and BC on a tabular environment"),
     "reproduce": ("experiments.reproduce", "reproduce the paper's figures, beside the published ones"),
+    "report": ("experiments.report.cli", "runs and reproductions as one self-contained page"),
     "bounds": ("experiments.bounds", "evaluate the paper's bounds for a setting"),
+    "verify": ("proofs_checks.verify.cli", "does a run's log prove its regret bounds?"),
     "check": ("proofs_checks.cli", "is each statement of the paper true? run the machine evidence"),
     "plan": ("bridge_theory.cli.plan", "how many demonstrations or queries a target needs"),
 }

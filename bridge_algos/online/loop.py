@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -29,9 +29,48 @@ from bridge_algos.trajectories import Trajectories, sample_each
 from bridge_theory.errors import InputError
 
 
+class Problem(Protocol):
+    """What the loop asks of a world; policies are rows that the problem understands.
+
+    :class:`OnlineProblem` computes in a tabular MDP, :class:`bridge_algos.continuous.problem.SimulatedProblem` plays in
+    a simulator. A simulator's trajectories have what embedding and oracle need, and the log's states and actions.
+    """
+
+    @property
+    def embedding(self) -> Any:
+        """phi, with its ``dimension`` and ``of_trajectories``."""
+
+    @property
+    def oracle(self) -> Oracle:
+        """Who answers."""
+
+    @property
+    def optimum(self) -> IntArray:
+        """The policy that regret is measured against in the theory."""
+
+    @property
+    def expert_return(self) -> float:
+        """The yardstick of the paper's figures."""
+
+    @property
+    def w_star(self) -> FloatArray | None:
+        """(d,) true weights, if they exist."""
+
+    def standing(self, policies: IntArray) -> tuple[FloatArray, float, bool]:
+        """Returns of the policies, that of the optimum, and whether a policy among them is as good."""
+
+    def look(
+        self, learner: Learner, counts: IntArray | None, policies: IntArray, rng: np.random.Generator
+    ) -> tuple[Dynamics | None, FloatArray, FloatArray]:
+        """The dynamics in use, the policies' features (N, d) and their bonuses (N,)."""
+
+    def sample_pair(self, pair: IntArray, n: int, rng: np.random.Generator) -> tuple[Any, Any]:
+        """n independent trajectories of each of two policies in the real world."""
+
+
 @dataclass(frozen=True, eq=False)
 class OnlineProblem:
-    """What the loop needs to know about the world and its yardsticks.
+    """The problem of a tabular MDP, with its yardsticks: everything but the trajectories compared is computed.
 
     Args:
         mdp: the real environment.
@@ -49,6 +88,39 @@ class OnlineProblem:
     expert_return: float
     w_star: FloatArray | None = None
 
+    def standing(self, policies: IntArray) -> tuple[FloatArray, float, bool]:
+        """See :class:`Problem`; exact."""
+        returns = expected_returns(self.mdp, policies)
+        best = float(expected_returns(self.mdp, self.optimum[None])[0])
+        return returns, best, bool(returns.max() >= best - rounding_allowance(self.mdp))
+
+    def look(
+        self, learner: Learner, counts: IntArray | None, policies: IntArray, rng: np.random.Generator
+    ) -> tuple[Dynamics, FloatArray, FloatArray]:
+        """See :class:`Problem`; under the estimate from ``counts``, or the real dynamics where there are none."""
+        dynamics, costs = self.mdp.dynamics, None
+        if counts is not None:
+            dynamics = dynamics.under(learner.estimate(counts))
+            costs = learner.confidence.step_bonus(counts.sum(axis=2))
+        steps = learner.confidence.bonus_steps
+        if learner.rollouts is not None:
+            sample = sampled_features(dynamics, policies, self.embedding, learner.rollouts, rng, costs, steps)
+            return dynamics, sample.means, sample.costs
+        if isinstance(self.embedding, Embedding):
+            return dynamics, *expected_features(dynamics, policies, self.embedding, costs, steps)
+        raise InputError(
+            f"the embedding {self.embedding.name!r} is a function of whole trajectories, whose expectation can only "
+            "be sampled; give the learner a number of rollouts."
+        )
+
+    def sample_pair(self, pair: IntArray, n: int, rng: np.random.Generator) -> tuple[Trajectories, Trajectories]:
+        """See :class:`Problem`."""
+        both = sample_each(self.mdp, pair, n, rng)
+        return both[:n], both[n:]
+
+
+FITS = ("exact", "adam", "continual")
+
 
 @dataclass(frozen=True, eq=False)
 class Learner:
@@ -64,9 +136,12 @@ class Learner:
         slope: c of the fitted model sigma(c <x, w>).
         lam: lambda of the regularised likelihood.
         comparisons: K, how many pairs of trajectories are compared in a round.
-        fit: ``"exact"`` optimum, or the published runs' ten ``"adam"`` steps from a normalised vector of ones.
+        fit: ``"exact"`` optimum; the published tabular runs' ten ``"adam"`` steps from a normalised vector of ones; or
+            the published continuous runs' ``"continual"`` hundred steps from the weights of the round before, first
+            from a vector of ones of norm W, and not projected on the ball.
         rollouts: None for exact features, or the number of rollouts a policy.
         estimate: from pooled transition counts (S, A, S) to a kernel (S, A, S).
+        until_decided: ask nothing once Pi_t holds one policy, as in the published continuous runs.
     """
 
     name: str
@@ -81,10 +156,11 @@ class Learner:
     fit: str = "exact"
     rollouts: int | None = None
     estimate: Callable[[IntArray], FloatArray] = estimate_transitions
+    until_decided: bool = False
 
     def __post_init__(self) -> None:
-        if self.fit not in ("exact", "adam"):
-            raise InputError(f"fit is {self.fit!r}, expected 'exact' or 'adam'.")
+        if self.fit not in FITS:
+            raise InputError(f"fit is {self.fit!r}, expected one of {', '.join(FITS)}.")
         if self.policies.ndim != 2 or not len(self.policies):
             raise InputError(f"policies has shape {self.policies.shape}, expected (N, S) with at least one policy.")
 
@@ -93,7 +169,7 @@ class Learner:
 class _View:
     """What the learner makes of its memory at the start of a round; ``error`` is NaN where nobody asked for it."""
 
-    dynamics: Dynamics
+    dynamics: Dynamics | None
     features: FloatArray
     bonus: FloatArray
     w: FloatArray
@@ -103,6 +179,7 @@ class _View:
 RECORDED = (
     "first",
     "second",
+    "greedy",
     "pseudo_regret",
     "suboptimality",
     "set_size",
@@ -119,7 +196,7 @@ RECORDED = (
 
 
 def run_online(
-    problem: OnlineProblem,
+    problem: Problem,
     learner: Learner,
     rounds: int,
     rng: np.random.Generator,
@@ -127,20 +204,18 @@ def run_online(
 ) -> dict[str, FloatArray]:
     """Play ``rounds`` rounds and return one array (rounds,) per name in ``RECORDED``.
 
-    Regrets are exact under the real dynamics and never clipped; ``pseudo_regret`` is that of the round's pair against
-    ``problem.optimum``, ``suboptimality`` that of the greedy policy after the round against the expert. ``first`` and
-    ``second`` index the pair in ``learner.policies``. ``optimum_kept``: an optimal policy is among those searched, and
-    the optimum is not ruled out. ``optimum_ruled_out``: some policy searched beats the optimum beyond the confidence
-    width, so that it would not be in Pi_t even if it were searched.
+    Regrets are the problem's (exact in a tabular MDP) and never clipped; ``pseudo_regret`` is that of the round's pair
+    against ``problem.optimum``, ``suboptimality`` that of the greedy policy after the round against the expert.
+    ``first``, ``second`` and ``greedy`` index ``learner.policies``. ``optimum_kept``: an optimal policy is among those
+    searched, and the optimum is not ruled out. ``optimum_ruled_out``: some policy searched beats the optimum beyond the
+    confidence width, so that it would not be in Pi_t even if it were searched.
 
     ``log`` receives what a checker needs to recompute a round, as a plain record: ``pair`` (2,) indices, ``w`` (d,)
     that the round used and ``w_next`` (d,) fitted after it, ``states`` and ``actions`` (2, K, H) of the trajectories
     compared, ``outcomes`` (K,), ``kept`` (N,), and the numbers ``gamma``, ``solver_error`` (of w),
     ``solver_error_next`` (of w_next), ``log_det``, ``uncertainty``, and ``bonus`` (2,) of the pair.
     """
-    returns = expected_returns(problem.mdp, learner.policies)
-    best = float(expected_returns(problem.mdp, problem.optimum[None])[0])
-    searched = bool(returns.max() >= best - rounding_allowance(problem.mdp))
+    returns, best, searched = problem.standing(learner.policies)
     policies = np.concatenate([learner.policies, problem.optimum[None]])
     memory = _start(problem, learner)
     with_error = learner.confidence.needs_error or log is not None
@@ -157,13 +232,17 @@ def run_online(
         kept, optimum_kept = keeps[:-1], bool(keeps[-1])
         first, second = choose_pair(learner.pair_rule, kept, scores[:-1], z[:-1], gamma, view.bonus[:-1], rng)
         norm, bonuses = float(np.linalg.norm(z[first] - z[second])), view.bonus[first] + view.bonus[second]
+        log_det = state.log_det
         before = view
-        one, two, outcomes = _play(problem, learner, memory, view, (first, second), rng)
-        view = _look(problem, learner, memory, policies, view, rng, with_error)
+        asking = not (learner.until_decided and kept.sum() == 1)
+        if asking:
+            one, two, outcomes = _play(problem, learner, memory, view, (first, second), rng)
+            view = _look(problem, learner, memory, policies, view, rng, with_error)
         greedy = first_best(view.features[:-1] @ view.w)
         values = {
             "first": first,
             "second": second,
+            "greedy": greedy,
             "pseudo_regret": best - (returns[first] + returns[second]) / 2,
             "suboptimality": problem.expert_return - returns[greedy],
             "set_size": kept.sum(),
@@ -173,12 +252,12 @@ def run_online(
             "uncertainty": norm,
             "bonus_sum": bonuses,
             "gamma": gamma,
-            "log_det": state.log_det,
+            "log_det": log_det,
             "seconds": time.perf_counter() - clock,
         }
         for name, value in values.items():
             record[name][t - 1] = value
-        if log is not None:
+        if log is not None and asking:
             log(
                 {
                     "pair": (first, second),
@@ -191,7 +270,7 @@ def run_online(
                     "gamma": gamma,
                     "solver_error": before.error,
                     "solver_error_next": view.error,
-                    "log_det": state.log_det,
+                    "log_det": log_det,
                     "uncertainty": norm,
                     "bonus": before.bonus[[first, second]],
                 }
@@ -199,7 +278,7 @@ def run_online(
     return record
 
 
-def _start(problem: OnlineProblem, learner: Learner) -> Memory:
+def _start(problem: Problem, learner: Learner) -> Memory:
     d = problem.embedding.dimension
     matrix = learner.confidence.initial_scale * np.eye(d)
     counts = None if learner.counts is None else learner.counts.copy()
@@ -207,7 +286,7 @@ def _start(problem: OnlineProblem, learner: Learner) -> Memory:
 
 
 def _look(
-    problem: OnlineProblem,
+    problem: Problem,
     learner: Learner,
     memory: Memory,
     policies: IntArray,
@@ -216,62 +295,49 @@ def _look(
     with_error: bool,
 ) -> _View:
     """Dynamics, features, bonuses and weights as the data so far have them."""
-    w, error = _fit(learner, memory, previous, with_error)
-    exact = learner.rollouts is None
-    if previous is not None and exact and memory.counts is None:
+    w, x = _fit(learner, memory, previous), memory.x.values
+    error = np.nan
+    if with_error:
+        outcomes = memory.outcomes.values
+        error = projection_error(w, x, outcomes, learner.lam, memory.observed) if len(x) else 0.0
+    if previous is not None and learner.rollouts is None and memory.counts is None:
         return replace(previous, w=w, error=error)
-    dynamics = problem.mdp.dynamics
-    costs = None
-    if memory.counts is not None:
-        dynamics = dynamics.under(learner.estimate(memory.counts))
-        costs = learner.confidence.step_bonus(memory.counts.sum(axis=2))
-    steps = learner.confidence.bonus_steps
-    if learner.rollouts is not None:
-        sample = sampled_features(dynamics, policies, problem.embedding, learner.rollouts, rng, costs, steps)
-        features, bonus = sample.means, sample.costs
-    elif isinstance(problem.embedding, Embedding):
-        features, bonus = expected_features(dynamics, policies, problem.embedding, costs, steps)
-    else:
-        raise InputError(
-            f"the embedding {problem.embedding.name!r} is a function of whole trajectories, whose expectation can only "
-            "be sampled; give the learner a number of rollouts."
-        )
+    dynamics, features, bonus = problem.look(learner, memory.counts, policies, rng)
     return _View(dynamics, features, np.minimum(bonus, learner.confidence.bonus_cap), w, error)
 
 
-def _fit(learner: Learner, memory: Memory, previous: _View | None, with_error: bool) -> tuple[FloatArray, float]:
+def _fit(learner: Learner, memory: Memory, previous: _View | None) -> FloatArray:
     x, outcomes, d = memory.x.values, memory.outcomes.values, len(memory.matrix)
+    continual = learner.fit == "continual"
     if previous is None or not len(x):
-        return np.zeros(d), 0.0
+        return np.full(d, learner.weight_bound / d**0.5 if continual else 0.0)
+    if continual:
+        return fit_adam(x, outcomes, learner.lam, previous.w, steps=100)
     if learner.fit == "adam":
         estimate = fit_adam(x, outcomes, learner.lam, np.full(d, d**-0.5))
     else:
         estimate = fit_exact(x, outcomes, learner.lam, previous.w)
-    w = project(estimate, x, learner.lam, memory.observed, learner.weight_bound)
-    return w, projection_error(w, x, outcomes, learner.lam, memory.observed) if with_error else np.nan
+    return project(estimate, x, learner.lam, memory.observed, learner.weight_bound)
 
 
 def _play(
-    problem: OnlineProblem,
+    problem: Problem,
     learner: Learner,
     memory: Memory,
     view: _View,
     pair: tuple[int, int],
     rng: np.random.Generator,
-) -> tuple[Trajectories, Trajectories, FloatArray]:
+) -> tuple[Any, Any, FloatArray]:
     """Roll the pair out in the real environment, ask, and remember; returns trajectories and answers."""
     k, played = learner.comparisons, learner.policies[list(pair)]
-    both = sample_each(problem.mdp, played, k, rng)
-    one, two = both[:k], both[k:]
+    one, two = problem.sample_pair(played, k, rng)
     outcomes = np.asarray(problem.oracle(one, two, rng), dtype=np.float64)
-    valid = outcomes.shape == (k,) and (np.isnan(outcomes) | ((outcomes >= 0) & (outcomes <= 1))).all()
-    if not valid:
+    if outcomes.shape != (k,) or not ((np.isnan(outcomes)) | ((outcomes >= 0) & (outcomes <= 1))).all():
         raise InputError(
             f"the oracle answered {np.array2string(outcomes, threshold=4)}, expected {k} numbers in [0, 1] or NaN."
         )
     answered = ~np.isnan(outcomes)
-    features = problem.embedding.of_trajectories(both)
-    difference = (features[:k] - features[k:])[answered]
+    difference = (problem.embedding.of_trajectories(one) - problem.embedding.of_trajectories(two))[answered]
     memory.x.append(learner.slope * difference)
     memory.outcomes.append(outcomes[answered])
     memory.observed = memory.observed + difference.T @ difference
@@ -281,8 +347,9 @@ def _play(
         expected = view.features[pair[0]] - view.features[pair[1]]
         memory.matrix = memory.matrix + expected[:, None] * expected
     if memory.counts is not None:
-        if learner.confidence.needs_history:
+        if learner.confidence.needs_history and view.dynamics is not None:
             memory.counts_then.append(memory.counts.sum(axis=2))
             memory.played_visits.append(pair_visits(view.dynamics, played))
-        add_transitions(memory.counts, both)
+        for trajectories in (one, two):
+            add_transitions(memory.counts, trajectories)
     return one, two, outcomes

@@ -27,7 +27,7 @@ def choose_pair(
     Args:
         rule: ``"uncertainty_and_bonus"`` maximises gamma ||z_i - z_j|| + b_i + b_j (algo:main line 7);
             ``"max_uncertainty"`` maximises ||z_i - z_j|| (algo:main_known); ``"ucb"`` plays the greedy policy against
-            the one with the largest optimistic advantage; ``"greedy_vs_random"`` plays it against a uniform one.
+            the one with the largest optimistic advantage; ``"greedy_vs_random"`` plays it against a uniform other one.
         kept: (N,) booleans, Pi_t; at least one is true.
         scores, z, bonus: (N,), (N, d), (N,) of all candidates.
         gamma: multiplier of the norm.
@@ -35,15 +35,16 @@ def choose_pair(
     """
     members = np.flatnonzero(kept)
     s, points, b = scores[members], z[members], bonus[members]
+    greedy = first_best(s)
     if rule == "uncertainty_and_bonus":
         first, second = widest_pair(points, gamma, b)
     elif rule == "max_uncertainty":
         first, second = widest_pair(points, 1.0, np.zeros(len(b)))
     elif rule == "ucb":
-        first = first_best(s)
-        second = first_best(s + gamma * np.linalg.norm(points - points[first], axis=1) + b)
+        first, second = greedy, first_best(s + gamma * np.linalg.norm(points - points[greedy], axis=1) + b)
     elif rule == "greedy_vs_random":
-        first, second = first_best(s), int(rng.integers(len(members)))
+        others = np.delete(np.arange(len(members)), greedy)
+        first, second = greedy, int(rng.choice(others)) if len(others) else greedy
     else:
         raise InputError(f"unknown pair rule {rule!r}; expected one of {', '.join(get_args(PairRule))}.")
     return int(members[first]), int(members[second])

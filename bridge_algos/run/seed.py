@@ -27,6 +27,7 @@ from bridge_theory.errors import InputError
 UNITS = {
     "first": "index of a policy searched",
     "second": "index of a policy searched",
+    "greedy": "index of a policy searched",
     "pseudo_regret": "reward per trajectory",
     "suboptimality": "reward per trajectory",
     "set_size": "policies",

@@ -72,19 +72,19 @@ def make_embedding(name: str, n_states: int, n_actions: int, horizon: int) -> Em
     states, actions = np.eye(n_states), np.eye(n_actions)
 
     def counts(t: Trajectories) -> FloatArray:
-        return _tally(t.states, n_states)
+        return np.ones(t.horizon) @ states[t.states]
 
     def action_totals(per_state: PolicyStates, policies: Policies) -> FloatArray:
         rows = n_actions * np.arange(len(policies))[:, None]
         totals = np.bincount((rows + policies).ravel(), per_state.ravel(), len(policies) * n_actions)
-        return totals.reshape(len(policies), n_actions)
+        return np.asarray(totals.reshape(len(policies), n_actions), dtype=np.float64)
 
     def short(occupancy: Occupancies, policies: Policies) -> Features:
         visits = occupancy.sum(axis=1)
         return np.concatenate([visits, action_totals(visits, policies)], axis=1)
 
     def short_of(t: Trajectories) -> FloatArray:
-        return np.concatenate([counts(t), _tally(t.actions, n_actions)], axis=1)
+        return np.concatenate([counts(t), np.ones(t.horizon) @ actions[t.actions]], axis=1)
 
     def long(occupancy: Occupancies, policies: Policies) -> Features:
         per_step = np.einsum("nhs,nsa->nha", occupancy, actions[policies])
@@ -126,14 +126,6 @@ def make_embedding(name: str, n_states: int, n_actions: int, horizon: int) -> Em
     if name not in known:
         raise InputError(f"unknown embedding {name!r}; expected one of {', '.join(known)}.")
     return known[name]
-
-
-def _tally(values: IntArray, size: int) -> FloatArray:
-    """How often each of 0..size-1 occurs in each row of values (n, H); IndexError for other values."""
-    if values.min() < 0 or values.max() >= size:
-        raise IndexError(f"values {values.min()}..{values.max()} do not index {size} entries")
-    rows = size * np.arange(len(values))[:, None]
-    return np.bincount((values + rows).ravel(), minlength=size * len(values)).reshape(-1, size).astype(np.float64)
 
 
 def linear_embedding(name: str, weights: FloatArray, bound: float | None = None) -> Embedding:

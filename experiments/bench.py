@@ -6,7 +6,8 @@ differences, and the set Pi_t and the pair by comparing each policy with all oth
 are timed on a few policies and scaled to all of them; fit and projection are timed whole. It is a re-enactment
 that exists here only. The goals are held against it without the paper's 2 x 1000 evaluation rollouts a round,
 because exact mode evaluates outside its timer; the ratio with them stands beside. "Vectorised" is this
-package's own sampled mode (``--features sampled``), which draws all rollouts of a policy at once.
+package's own sampled mode (``--features sampled``), which draws all rollouts of a policy at once. Rounds are
+timed in both ways in turn, several times: shown is the median, with the range.
 """
 
 from __future__ import annotations

@@ -10,7 +10,6 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from bridge_algos.mdp import FloatArray
 from bridge_algos.shapes import Kernel, TransitionCounts
 from bridge_algos.trajectories import Trajectories
 from bridge_theory.errors import InputError

@@ -19,9 +19,8 @@ def inverse_root(matrix: FloatArray) -> FloatArray:
     Raises:
         ComputationError: when the matrix is not positive definite to rounding.
 
-    >>> inverse_root(np.diag([4.0, 16.0]))
-    array([[0.5 , 0.  ],
-           [0.  , 0.25]])
+    >>> inverse_root(np.diag([4.0, 16.0])).diagonal()
+    array([0.5 , 0.25])
     """
     root, failed = lapack.dpotrf(matrix, lower=1, clean=1)
     if failed:

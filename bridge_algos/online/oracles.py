@@ -22,7 +22,7 @@ from bridge_theory.errors import InputError
 Oracle = Callable[[Trajectories, Trajectories, np.random.Generator], FloatArray]
 
 
-sigmoid = expit
+sigmoid: Callable[[FloatArray], FloatArray] = expit
 """1 / (1 + exp(-x)) without overflow, accurate in both tails."""
 
 

@@ -97,7 +97,8 @@ def widest_pair(z: Features, gamma: float, bonus: PerPolicy) -> tuple[int, int]:
     as equal, and the first in that order wins.
     """
     away = z - z.mean(axis=0)
-    reach = gamma * np.sqrt(np.vecdot(away, away)) + bonus
+    squares = np.vecdot(away, away)
+    reach = gamma * np.sqrt(squares) + bonus
     slack = TIE * (1 + float(reach.max()))
     order = np.argsort(-np.rint(reach / slack), kind="stable")
     best, pair = -np.inf, (0, 0)
@@ -109,14 +110,10 @@ def widest_pair(z: Features, gamma: float, bonus: PerPolicy) -> tuple[int, int]:
             columns = order[other : other + TILE]
             if reach[rows[0]] + reach[columns[0]] + 3 * slack < best:
                 break
-            values = gamma * _distances(z[rows], z[columns]) + bonus[rows, None] + bonus[columns]
+            squared = squares[rows, None] + squares[columns] - 2 * (away[rows] @ away[columns].T)
+            values = gamma * np.sqrt(np.maximum(squared, 0)) + bonus[rows, None] + bonus[columns]
             largest = float(values.max())
             if largest > best + slack:
                 i, j = divmod(int((values >= largest - slack).argmax()), len(columns))
                 best, pair = largest, (int(columns[j]), int(rows[i]))
     return pair
-
-
-def _distances(a: FloatArray, b: FloatArray) -> FloatArray:
-    squared = np.vecdot(a, a)[:, None] + np.vecdot(b, b) - 2 * (a @ b.T)
-    return np.asarray(np.sqrt(np.maximum(squared, 0)))

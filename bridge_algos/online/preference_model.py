@@ -137,8 +137,8 @@ def _loss(w: Weights, x: Comparisons, outcomes: Outcomes, lam: float) -> float:
 def _least_squares_in_ball(a: FloatArray, b: FloatArray, radius: float) -> FloatArray:
     r"""argmin ||a v - b|| over ||v|| <= radius, ``a`` regular, by the secular equation in its singular basis.
 
-    :math:`1 / \|v(\mu)\|` is concave and increasing in the multiplier mu, so that Newton's method from zero climbs to the
-    solution without passing it, in a few steps.
+    :math:`1 / \|v(\mu)\|` is concave and increasing in the multiplier mu, so that Newton's method from zero climbs to
+    the solution without passing it, in a few steps.
     """
     left, singular, right = np.linalg.svd(a)
     projected, squares, mu = singular * (left.T @ b), singular**2, 0.0

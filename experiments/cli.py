@@ -10,7 +10,9 @@ from bridge_theory.errors import ComputationError, InputError
 
 SUBCOMMANDS = {
     "run": ("bridge_algos.run.cli", "run BRIDGE, PbRL and BC on a tabular environment"),
+    "compare": ("experiments.compare.cli", "empirical regret beside every version of the theory"),
     "reproduce": ("experiments.reproduce", "reproduce the paper's figures, beside the published ones"),
+    "expert": ("bridge_algos.continuous.expert_cli", "train, evaluate and record experts for MuJoCo Reacher and Ant"),
     "report": ("experiments.report.cli", "runs and reproductions as one self-contained page"),
     "bounds": ("experiments.bounds", "evaluate the paper's bounds for a setting"),
     "verify": ("proofs_checks.verify.cli", "does a run's log prove its regret bounds?"),
@@ -46,6 +48,11 @@ def main(argv: list[str] | None = None) -> int:
     except BrokenPipeError:  # the reader, such as head, has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+    except OSError as error:
+        if error.filename is None:
+            raise
+        print(f"bridge-rl {name}: {error.filename} cannot be used ({error.strerror}); choose another", file=sys.stderr)
+        return 2
     except KeyboardInterrupt:
         print(f"bridge-rl {name}: interrupted; finished parts are kept", file=sys.stderr)
         return 130

@@ -44,6 +44,9 @@ def fit_exact(x: Comparisons, outcomes: Outcomes, lam: float, start: Weights) ->
             break
         step = np.linalg.solve(_jacobian(p, x, lam), gradient)
         length, descent = 1.0, float(gradient @ step)
+        if descent <= 8 * np.finfo(float).eps * (1 + abs(loss)):  # less than the loss can show: no line search
+            w = w - step
+            break
         while length > 1e-12:
             candidate = w - length * step
             new_loss = _loss(candidate, x, outcomes, lam)
@@ -97,6 +100,8 @@ def project(w: Weights, x: Comparisons, lam: float, matrix: DataMatrix, radius: 
     for _ in range(50):
         whitened = root @ _jacobian(sigmoid(x @ v), x, lam)
         step = _least_squares_in_ball(whitened, whitened @ v - residual, radius) - v
+        if np.linalg.norm(step) <= 1e-14 * radius:  # stationary: any shorter step is lost in rounding
+            break
         length = 1.0
         while length > 1e-6:
             candidate = v + length * step

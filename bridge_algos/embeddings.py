@@ -13,7 +13,8 @@ final_state        s_H                                    S             1
 =================  =====================================  ============  ============
 
 and ``state_action_counts``, sum_h e_(s_h, a_h), with d = S A and B = H, in which every expected reward r(s, a) is
-linear, so that the Bradley-Terry model of the theory holds exactly.
+linear, so that the Bradley-Terry model of the theory holds exactly; so it does for the return itself
+(:func:`return_embedding`), with d = 1.
 
 All are linear in the per-step occupancy, so their expectations are computed. A function of the whole trajectory can
 only be sampled; its estimate carries its Monte-Carlo error.
@@ -27,7 +28,7 @@ from math import sqrt
 
 import numpy as np
 
-from bridge_algos.mdp import Dynamics, FloatArray, IntArray
+from bridge_algos.mdp import Dynamics, FloatArray, IntArray, TabularMDP
 from bridge_algos.occupancy import blocks, state_occupancies
 from bridge_algos.shapes import Features, Occupancies, PairTable, PerPolicy, Policies, PolicyStates
 from bridge_algos.trajectories import Trajectories, sample_paths
@@ -153,6 +154,23 @@ def linear_embedding(name: str, weights: FloatArray, bound: float | None = None)
         return np.asarray(weights[steps, t.states, t.actions].sum(axis=1))
 
     return Embedding(name, dimension, default if bound is None else bound, expectation, of_trajectories)
+
+
+def return_embedding(mdp: TabularMDP) -> Embedding:
+    r"""The return itself as the only feature, :math:`\phi(\tau) = \sum_h r(s_h, a_h)` with expected rewards r; d = 1.
+
+    B = H max|r|. The smallest embedding in which the Bradley-Terry model of the theory holds exactly.
+
+    Raises:
+        InputError: when every expected reward is zero.
+
+    >>> from bridge_algos.envs.counterexamples import two_actions
+    >>> embedding = return_embedding(two_actions())
+    >>> embedding.dimension, embedding.bound
+    (1, 0.5)
+    """
+    weights = np.broadcast_to(mdp.expected_reward[None, :, :, None], (mdp.horizon, mdp.n_states, mdp.n_actions, 1))
+    return linear_embedding("return", weights, bound=mdp.horizon * float(np.abs(mdp.expected_reward).max()))
 
 
 def expected_features(

@@ -47,6 +47,9 @@ def fit_exact(x: Comparisons, outcomes: Outcomes, lam: float, start: Weights) ->
         hessian[np.diag_indices(len(w))] += lam
         step = np.linalg.solve(hessian, gradient)
         length, descent = 1.0, float(gradient @ step)
+        if descent <= 8 * np.finfo(float).eps * (1 + abs(loss)):  # less than the loss can show: no line search
+            w = w - step
+            break
         while length > 1e-12:
             candidate = w - length * step
             new_loss = _loss(candidate, x, outcomes, lam)
@@ -99,6 +102,8 @@ def project(w: Weights, x: Comparisons, lam: float, matrix: DataMatrix, radius: 
         jacobian[np.diag_indices(len(v))] += lam
         whitened = scipy.linalg.solve_triangular(root, jacobian, lower=True)
         goal = _least_squares_in_ball(whitened, whitened @ v - residual, radius)
+        if np.linalg.norm(goal - v) <= 1e-14 * radius:  # stationary: any shorter step is lost in rounding
+            break
         length = 1.0
         while length > 1e-6:
             candidate = v + length * (goal - v)

@@ -71,8 +71,14 @@ def _section(number: int, item: Item, verify: int) -> str:
 
 def _settings(item: Item) -> str:
     rows = [(escape(name), f"<code>{escape(value)}</code>") for name, value in _flat(item.settings)]
-    versions = f'<p class="quiet">Made with {escape(item.versions)}.</p>'
-    return table_html((), rows, "settings") + versions
+    return table_html((), rows, "settings") + f'<p class="quiet">Made with {escape(_versions(item.versions))}.</p>'
+
+
+def _versions(recorded: str) -> str:
+    try:
+        return ", ".join(f"{package} {version}" for package, version in json.loads(recorded).items())
+    except (ValueError, AttributeError):  # a text, where they differ
+        return recorded
 
 
 def _flat(settings: dict[str, Any], prefix: str = "") -> list[tuple[str, str]]:

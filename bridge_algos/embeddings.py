@@ -73,17 +73,19 @@ def make_embedding(name: str, n_states: int, n_actions: int, horizon: int) -> Em
     states, actions = np.eye(n_states), np.eye(n_actions)
 
     def counts(t: Trajectories) -> FloatArray:
-        return np.asarray(states[t.states].sum(axis=1))
+        return np.ones(t.horizon) @ states[t.states]
 
     def action_totals(per_state: PolicyStates, policies: Policies) -> FloatArray:
-        return np.asarray(np.einsum("ns,nsa->na", per_state, actions[policies]))
+        rows = n_actions * np.arange(len(policies))[:, None]
+        totals = np.bincount((rows + policies).ravel(), per_state.ravel(), len(policies) * n_actions)
+        return np.asarray(totals.reshape(len(policies), n_actions), dtype=np.float64)
 
     def short(occupancy: Occupancies, policies: Policies) -> Features:
         visits = occupancy.sum(axis=1)
         return np.concatenate([visits, action_totals(visits, policies)], axis=1)
 
     def short_of(t: Trajectories) -> FloatArray:
-        return np.concatenate([counts(t), actions[t.actions].sum(axis=1)], axis=1)
+        return np.concatenate([counts(t), np.ones(t.horizon) @ actions[t.actions]], axis=1)
 
     def long(occupancy: Occupancies, policies: Policies) -> Features:
         per_step = np.einsum("nhs,nsa->nha", occupancy, actions[policies])
@@ -194,7 +196,7 @@ def expected_features(
         features[where] = embedding.expectation(occupancy, block)
         if step_costs is not None and steps:
             visits = occupancy[:, :steps].sum(axis=1)
-            costs[where] = np.einsum("ns,ns->n", visits, step_costs[every_state, block])
+            costs[where] = np.vecdot(visits, step_costs[every_state, block])
     return features, costs
 
 

@@ -10,7 +10,9 @@ from bridge_theory.errors import ComputationError, InputError
 
 SUBCOMMANDS = {
     "run": ("bridge_algos.run.cli", "run BRIDGE, PbRL and BC on a tabular environment"),
+    "compare": ("experiments.compare.cli", "empirical regret beside every version of the theory"),
     "reproduce": ("experiments.reproduce", "reproduce the paper's figures, beside the published ones"),
+    "expert": ("bridge_algos.continuous.expert_cli", "train, evaluate and record experts for MuJoCo Reacher and Ant"),
     "report": ("experiments.report.cli", "runs and reproductions as one self-contained page"),
     "bounds": ("experiments.bounds", "evaluate the paper's bounds for a setting"),
     "verify": ("proofs_checks.verify.cli", "does a run's log prove its regret bounds?"),

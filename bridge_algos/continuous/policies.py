@@ -114,6 +114,9 @@ class MlpPolicy:
 
     def with_parameters(self, parameters: FloatArray) -> MlpPolicy:
         """The policy of the same architecture, normalisation and std with other weights and biases (P,)."""
+        size = sum(weight.size + weight.shape[1] for weight in self.weights)
+        if np.shape(parameters) != (size,):
+            raise InputError(f"the parameters have shape {np.shape(parameters)}, expected ({size},).")
         weights, biases, at = [], [], 0
         for weight in self.weights:
             fan_in, fan_out = weight.shape
@@ -121,8 +124,6 @@ class MlpPolicy:
             at += fan_in * fan_out
             biases.append(parameters[at : at + fan_out])
             at += fan_out
-        if parameters.shape != (at,):
-            raise InputError(f"the parameters have shape {parameters.shape}, expected ({at},).")
         return replace(self, weights=tuple(weights), biases=tuple(biases))
 
     def digest(self) -> str:

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from bridge_algos.continuous.environments import Environment, draw_starts
 from bridge_algos.continuous.episodes import Episodes
@@ -68,7 +69,7 @@ class PpoSettings:
 
 PRESETS = {
     "reacher": PpoSettings(horizon=50, episodes=128, iterations=300),
-    "ant": PpoSettings(horizon=100, episodes=80, iterations=600),
+    "ant": PpoSettings(horizon=100, episodes=80, iterations=400),
 }
 
 
@@ -109,9 +110,9 @@ def train(
     identity = json.dumps({"environment": environment.gymnasium_id, "seed": seed, **asdict(settings)})
     learner, done = _restored(checkpoint, identity) or (_fresh(environment, settings, seed), 0)
     threads_before = torch.get_num_threads()
-    torch.set_num_threads(1)  # these networks are too small for more, and one gives the same bits everywhere
+    torch.set_num_threads(1)  # these networks are too small for more, which might change the last bits
     try:
-        with tqdm(total=settings.iterations, initial=done, unit="iteration") as bar:
+        with threadpool_limits(1), tqdm(total=settings.iterations, initial=done, unit="iteration") as bar:
             for iteration in range(done, settings.iterations):
                 score = _iterate(torch, environment, settings, learner, seed, iteration, threads)
                 bar.set_postfix_str(f"return {score:.2f}")

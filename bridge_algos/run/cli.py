@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from bridge_algos.envs.registry import mdp_names
-from bridge_algos.run.config import ALGORITHMS, RunConfig, preset
+from bridge_algos.run.config import ALGORITHMS, PRESETS, RunConfig, preset
 from bridge_theory.cli.options import Parser
 from bridge_theory.errors import InputError
 
@@ -18,7 +18,14 @@ def parser() -> argparse.ArgumentParser:
     """The options of ``bridge-rl run``."""
     p = Parser(prog="bridge-rl run", description="Run BRIDGE, PbRL and BC on a tabular environment.")
     p.add_argument("environment", help=f"one of {', '.join(mdp_names())}, or an MDP's .npz file")
-    p.add_argument("--preset", default="published", help="published (default) or theory")
+    add_options(p)
+    p.add_argument("--show-config", action="store_true", help="print the configuration as JSON and stop")
+    return p
+
+
+def add_options(p: argparse.ArgumentParser) -> None:
+    """The options that describe a run, all but its environment; :func:`configuration` reads them."""
+    p.add_argument("--preset", default="published", help=f"one of {', '.join(PRESETS)} (default published)")
     p.add_argument("--seeds", type=int, default=30, help="number of seeds, 0..SEEDS-1 (default 30)")
     p.add_argument("--rounds", type=int, help="online rounds T (default: the preset's)")
     p.add_argument("--algorithms", help=f"comma-separated, of {', '.join(ALGORITHMS)} (default bridge,pbrl,bc)")
@@ -32,14 +39,12 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--jobs", type=int, default=-1, help="processes (default: all cores); does not change the numbers")
     p.add_argument("--out", type=Path, help="results directory (default out/ENVIRONMENT-PRESET)")
     p.add_argument("--log", action="store_true", help="keep each seed's log, which 'bridge-rl verify' checks")
-    p.add_argument("--show-config", action="store_true", help="print the configuration as JSON and stop")
-    return p
 
 
 def main(argv: list[str]) -> int:
     """Run, print the table, write the figures; finished seeds are kept and skipped on the next call."""
     options = parser().parse_args(argv)
-    config = _config(options)
+    config = configuration(options)
     if options.show_config:
         print(json.dumps(json.loads(config.to_json()), indent=2))
         return 0
@@ -55,7 +60,8 @@ def main(argv: list[str]) -> int:
     return 0
 
 
-def _config(options: argparse.Namespace) -> RunConfig:
+def configuration(options: argparse.Namespace) -> RunConfig:
+    """The configuration that parsed options describe; ``options.environment`` names the environment."""
     from bridge_algos.run.world import digest
 
     changes: dict[str, Any] = dict(_assignment(text) for text in options.set)

@@ -65,7 +65,7 @@ def test_ant_is_truncated_where_gymnasium_truncates_it():
     assert replay_with_gymnasium(environment, starts, episodes) == 1
 
 
-@pytest.mark.parametrize("name", ["Hopper-v5", "HalfCheetah-v5", "Pusher-v5"])
+@pytest.mark.parametrize("name", ["Hopper-v5", "Walker2d-v5", "Pusher-v5"])
 def test_other_environments_run_through_their_own_step(name):
     environment = make_environment(name)
     starts = draw_starts(environment, 4, np.random.default_rng(5))

@@ -9,9 +9,9 @@ PACKAGES = ("bridge-rl", "numpy", "scipy", "xarray", "cvxpy", "highspy", "python
 
 
 @cache
-def package_versions() -> dict[str, str]:
-    """Installed version of each package that decides numbers; ``"not installed"`` where there is none."""
-    return {package: _version(package) for package in PACKAGES}
+def package_versions(*more: str) -> dict[str, str]:
+    """Installed version of each package that decides numbers, and of ``more``; ``"not installed"`` if there is none."""
+    return {package: _version(package) for package in (*PACKAGES, *more)}
 
 
 def _version(package: str) -> str:

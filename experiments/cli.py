@@ -9,7 +9,8 @@ import sys
 from bridge_theory.errors import ComputationError, InputError
 
 SUBCOMMANDS = {
-    "run": ("bridge_algos.run.cli", "run BRIDGE, PbRL and BC on a tabular environment"),
+    "run": ("bridge_algos.run.cli", "run BRIDGE, PbRL and BC on an environment, tabular or of MuJoCo"),
+    "watch": ("bridge_algos.continuous.watch", "animate expert, clone and learned policies of a MuJoCo run"),
     "reproduce": ("experiments.reproduce", "reproduce the paper's figures, beside the published ones"),
     "bounds": ("experiments.bounds", "evaluate the paper's bounds for a setting"),
     "check": ("proofs_checks.cli", "is each statement of the paper true? run the machine evidence"),

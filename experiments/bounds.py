@@ -36,25 +36,22 @@ def _from_data(demos: str, mdp: str, empty_row: str, delta: str) -> tuple[dict[s
 
     from bridge_algos.hellinger import disagreement_probability
     from bridge_algos.mdp_file import load_mdp
-    from bridge_algos.offline.cloning import action_counts, clone_deterministic
-    from bridge_algos.offline.transitions import estimate_transitions, transition_counts
+    from bridge_algos.offline.cloning import clone_deterministic
+    from bridge_algos.offline.step_counts import step_counts
+    from bridge_algos.offline.transitions import estimate_transitions
     from bridge_algos.trajectories import load_trajectories
     from bridge_theory.from_data import bounds_from_counts
 
     world = load_mdp(mdp)
     s, a, h = world.n_states, world.n_actions, world.horizon
     data = load_trajectories(demos, s, a, h)
-    visits = np.zeros((h, s, a), dtype=np.int64)
-    np.add.at(visits, (np.arange(h), data.states, data.actions), 1)
-    transitions = np.zeros((h - 1, s, a, s), dtype=np.int64)
-    np.add.at(transitions, (np.arange(h - 1), data.states[:, :-1], data.actions[:, :-1], data.states[:, 1:]), 1)
-    pairs = action_counts(data, s, a)
+    counts = step_counts(data, s, a)
     estimate = world.dynamics.under(
-        estimate_transitions(transition_counts(data, s, a), "self_loop" if empty_row == "self_loop" else "uniform")
+        estimate_transitions(counts.pooled, "self_loop" if empty_row == "self_loop" else "uniform")
     )
-    unvisited = (pairs.sum(axis=1) == 0).astype(np.float64)[None]
-    mass = disagreement_probability(estimate, clone_deterministic(pairs, tie_break="first"), unvisited)[0]
-    values = bounds_from_counts(visits, transitions, delta=delta, mass=float(mass))
+    unvisited = (counts.pairs.sum(axis=1) == 0).astype(np.float64)[None]
+    mass = disagreement_probability(estimate, clone_deterministic(counts.pairs, tie_break="first"), unvisited)[0]
+    values = bounds_from_counts(counts.visits, counts.transitions, delta=delta, mass=float(mass))
     return {"--S": s, "--A": a, "--H": h, "--n": len(data)}, list(values.values())
 
 

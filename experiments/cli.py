@@ -12,7 +12,10 @@ SUBCOMMANDS = {
     "run": ("bridge_algos.run.cli", "run BRIDGE, PbRL and BC on an environment, tabular or of MuJoCo"),
     "watch": ("bridge_algos.continuous.watch", "animate expert, clone and learned policies of a MuJoCo run"),
     "reproduce": ("experiments.reproduce", "reproduce the paper's figures, beside the published ones"),
+    "expert": ("bridge_algos.continuous.expert_cli", "train, evaluate and record experts for MuJoCo Reacher and Ant"),
+    "report": ("experiments.report.cli", "runs and reproductions as one self-contained page"),
     "bounds": ("experiments.bounds", "evaluate the paper's bounds for a setting"),
+    "verify": ("proofs_checks.verify.cli", "does a run's log prove its regret bounds?"),
     "check": ("proofs_checks.cli", "is each statement of the paper true? run the machine evidence"),
     "plan": ("bridge_theory.cli.plan", "how many demonstrations or queries a target needs"),
 }

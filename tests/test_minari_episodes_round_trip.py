@@ -91,7 +91,7 @@ def test_a_damaged_dataset_is_refused(trajectories, folder):
 
 @pytest.mark.parametrize("identifier", ["star", "star v0", "star-v"])
 def test_a_malformed_id_leaves_nothing_behind(identifier, trajectories, folder, monkeypatch):
-    monkeypatch.setattr("bridge_algos.envs.minari_io._require", lambda name: minari)
+    monkeypatch.setattr("bridge_algos.envs.minari_io.require_minari", lambda name: minari)
     with pytest.raises(InputError, match="expected '\\(namespace/\\)name-v0' with a version number"):
         save_minari_dataset(identifier, trajectories, MDP)
     assert list(folder.iterdir()) == []

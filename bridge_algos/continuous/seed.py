@@ -79,7 +79,7 @@ def _online(config: ContinuousConfig, stage: OfflineStage, seed: int) -> xr.Data
     unit = {"units": "reward per trajectory"}
     below = {"units": "reward per trajectory below the expert"}
     attributes = {
-        "versions": json.dumps(package_versions("mujoco", "torch")),
+        "versions": json.dumps(package_versions()),
         "caveats": json.dumps(caveats(config)),
         "expert": f"expert: {config.expert or f'shipped, {config.environment}'}, "
         f"{'a candidate' if config.include_expert else 'not a candidate'}",

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
+from bridge_algos.continuous.needs import need
 from bridge_algos.mdp import FloatArray, IntArray
-from bridge_theory.errors import InputError
 
 
 def fit_transition_mlp(
@@ -24,12 +26,7 @@ def fit_transition_mlp(
     Raises:
         InputError: when torch is not installed.
     """
-    try:
-        import torch
-    except ModuleNotFoundError:
-        raise InputError(
-            "the MLP transition model needs torch; install it with pip install 'bridge-rl[continuous]'."
-        ) from None
+    torch = need("torch")
     n_states, n_actions, _ = counts.shape
     if not counts.any():
         return np.full(counts.shape, 1 / n_states)
@@ -37,14 +34,14 @@ def fit_transition_mlp(
     inputs = torch.from_numpy(np.concatenate([np.eye(n_states)[pairs[0]], np.eye(n_actions)[pairs[1]]], axis=1))
     targets = torch.from_numpy(counts.reshape(-1, n_states) / counts.sum())
 
-    def layer(fan_in: int, fan_out: int) -> list[torch.Tensor]:
+    def layer(fan_in: int, fan_out: int) -> list[Any]:
         bound = fan_in**-0.5
         shapes = ((fan_in, fan_out), (fan_out,))
         return [torch.from_numpy(rng.uniform(-bound, bound, shape)).requires_grad_() for shape in shapes]
 
     weights = [*layer(n_states + n_actions, hidden), *layer(hidden, n_states)]
 
-    def log_kernel() -> torch.Tensor:
+    def log_kernel() -> Any:
         features = torch.relu(inputs @ weights[0] + weights[1])
         return torch.log_softmax(features @ weights[2] + weights[3], dim=1)
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import warnings
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,6 +15,8 @@ from numpy.typing import ArrayLike
 from bridge_algos.mdp import TabularMDP
 from bridge_algos.trajectories import Trajectories
 from bridge_theory.errors import InputError
+
+Read = TypeVar("Read")
 
 # Minari asks for a web address, an author and an evaluation environment, which demonstrations need not have.
 _MISSING_METADATA = r"(`(code_permalink|author|author_email|algorithm_name|eval_env)` is set to None|env_spec is None)"
@@ -31,7 +33,7 @@ def episodes_from_trajectories(trajectories: Trajectories, final_states: ArrayLi
     Raises:
         InputError: Minari is not installed, or ``final_states`` has another shape.
     """
-    EpisodeBuffer = _require("minari").data_collector.EpisodeBuffer
+    EpisodeBuffer = require_minari("minari").data_collector.EpisodeBuffer
     n, horizon = trajectories.states.shape
     final = np.asarray(trajectories.states[:, -1] if final_states is None else final_states)
     if final.shape != (n,) or final.dtype.kind not in "iu":
@@ -112,10 +114,29 @@ def save_minari_dataset(
     Raises:
         InputError: Minari or h5py is not installed, the id is malformed or taken, or the trajectories do not fit.
     """
-    minari = _require("minari")
-    if metadata.get("data_format", "hdf5") == "hdf5":
-        _require("h5py")
     from gymnasium.spaces import Discrete
+
+    trajectories.checked(mdp.n_states, mdp.n_actions)
+    last = "repeats s_H" if final_states is None else "is the state after the last action"
+    defaults = {
+        "description": f"Trajectories of {mdp.name}; the last observation of an episode {last}.",
+        "observation_space": Discrete(mdp.n_states),
+        "action_space": Discrete(mdp.n_actions),
+    }
+    return write_dataset(
+        dataset_id, lambda: episodes_from_trajectories(trajectories, final_states), **(defaults | metadata)
+    )
+
+
+def write_dataset(dataset_id: str, episodes: Callable[[], list[Any]], **arguments: Any) -> Any:
+    """Create a Minari dataset of episode buffers, made once the id is known to be free; other arguments are Minari's.
+
+    Raises:
+        InputError: Minari or h5py is not installed, or the id is malformed or taken.
+    """
+    minari = require_minari("minari")
+    if arguments.get("data_format", "hdf5") == "hdf5":
+        require_minari("h5py")
     from minari.dataset.minari_dataset import DATASET_ID_RE
     from minari.storage.datasets_root_dir import get_dataset_path
 
@@ -124,19 +145,9 @@ def save_minari_dataset(
         raise InputError(f"the dataset id is {dataset_id!r}, expected '(namespace/)name-v0' with a version number.")
     if Path(get_dataset_path(dataset_id)).exists():
         raise InputError(f"a Minari dataset {dataset_id!r} exists already; choose another name or version.")
-    trajectories.checked(mdp.n_states, mdp.n_actions)
-    last = "repeats s_H" if final_states is None else "is the state after the last action"
-    defaults = {"description": f"Trajectories of {mdp.name}; the last observation of an episode {last}."}
-    episodes = episodes_from_trajectories(trajectories, final_states)
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message=_MISSING_METADATA, category=UserWarning)
-        return minari.create_dataset_from_buffers(
-            dataset_id,
-            episodes,
-            observation_space=Discrete(mdp.n_states),
-            action_space=Discrete(mdp.n_actions),
-            **(defaults | metadata),
-        )
+        return minari.create_dataset_from_buffers(dataset_id, episodes(), **arguments)
 
 
 def load_minari_dataset(dataset_id: str, n_states: int, n_actions: int, horizon: int | None = None) -> Trajectories:
@@ -145,10 +156,18 @@ def load_minari_dataset(dataset_id: str, n_states: int, n_actions: int, horizon:
     Raises:
         InputError: Minari or h5py is not installed, there is no such dataset, or it does not fit the MDP.
     """
-    minari = _require("minari")
+    return read_dataset(dataset_id, lambda dataset: trajectories_from_episodes(dataset, n_states, n_actions, horizon))
+
+
+def read_dataset(dataset_id: str, convert: Callable[[Any], Read]) -> Read:
+    """What ``convert`` makes of a local Minari dataset; nothing is downloaded.
+
+    Raises:
+        InputError: Minari or h5py is not installed, or there is no such dataset.
+    """
+    minari = require_minari("minari")
     try:
-        dataset = minari.load_dataset(dataset_id)
-        return trajectories_from_episodes(dataset, n_states, n_actions, horizon)
+        return convert(minari.load_dataset(dataset_id))
     except InputError:
         raise
     except ImportError as error:
@@ -169,7 +188,8 @@ def _integers(values: Any, name: str, index: int) -> np.ndarray[Any, np.dtype[np
     return array.astype(np.int64)
 
 
-def _require(name: str) -> Any:
+def require_minari(name: str) -> Any:
+    """Import ``minari`` or a package that it needs, or say in a sentence what to install."""
     if importlib.util.find_spec(name) is None:
         raise InputError(
             f"Minari datasets need the package {name!r}, which is not installed; pip install 'minari[hdf5]'."

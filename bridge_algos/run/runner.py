@@ -12,7 +12,8 @@ import xarray as xr
 from bridge_algos.continuous.config import ContinuousConfig
 from bridge_algos.run.config import RunConfig
 from bridge_algos.run.configuration import Configuration
-from bridge_algos.run.log import log_path, logged_seed, save_log
+from bridge_algos.run.log import logged_seed
+from bridge_algos.run.log_file import log_path, save_log
 from bridge_algos.run.parallel import check_jobs, for_each
 from bridge_algos.run.seed import run_seed
 from bridge_algos.run.store import load_run, open_run, save_seed

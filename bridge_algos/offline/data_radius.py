@@ -1,0 +1,72 @@
+r"""Radii that the demonstrations themselves certify for the ball around a deterministic clone.
+
+Both hold for a deterministic stationary expert whose actions were recorded without noise, and for the ball as
+:class:`bridge_algos.offline.policy_set.PolicySet` has it: pooled counts as kernel, any rows where there is no data.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+import bridge_theory as theory
+from bridge_algos.hellinger import disagreement_probability
+from bridge_algos.mdp import Dynamics
+from bridge_algos.offline.step_counts import StepCounts
+from bridge_algos.shapes import Policy
+
+
+def leaving_radius(counts: StepCounts, estimate: Dynamics, clone: Policy) -> float:
+    r"""Statement: :math:`H(\hat P^{\pi^*},\hat P^{BC})\le\rho`, surely, with
+    :math:`\rho^2=\hat P^{BC}(\text{meet a state without a recorded action})`.
+
+    Source: audit T8(B), ``theory.offline_radius_mass``. Assumptions: deterministic expert, no noise. Returns a
+    Hellinger distance in [0, 1], an estimate to rounding that is zero only where the mass is.
+    """
+    unvisited = (counts.pairs.sum(axis=1) == 0).astype(np.float64)[None]
+    mass = float(disagreement_probability(estimate, clone, unvisited)[0])
+    return float(theory.offline_radius_mass.estimate(mass=mass))
+
+
+def data_dependent_radius(counts: StepCounts, estimate: Dynamics, clone: Policy, delta: float) -> float:
+    r"""Statement: :math:`H(\hat P^{\pi^*},\hat P^{BC})\le\sin\min(\pi/2,\arcsin\sqrt{R_1}+\arccos(1-R_2))` with
+    probability at least :math:`1-\delta`.
+
+    Source: audit T9 (angle) with :math:`R_1` from T7(c), the number of states without data, and :math:`R_2` from T10
+    and T3: the KL budget of the counts times the largest ratio of expected to observed uses of a pair, and the
+    estimated chance of meeting a pair that has no data, both computed by following the clone until it meets one. Each
+    takes :math:`\delta/2`. Assumptions: deterministic stationary expert, no noise, stationary kernel. Returns a
+    Hellinger distance in [0, 1], an estimate to rounding; 1 says nothing.
+    """
+    n_states = estimate.n_states
+    unvisited = int((counts.pairs.sum(axis=1) == 0).sum())
+    n = int(counts.visits[0].sum())
+    policy_error = theory.missing_mass_observed.estimate(S=n_states, n=n, unvisited=unvisited, delta=delta / 2)
+    return float(
+        theory.confidence_set_radius_angle.estimate(
+            R1=policy_error, R2=_transition_error(counts, estimate, clone, delta / 2)
+        )
+    )
+
+
+def _transition_error(counts: StepCounts, estimate: Dynamics, clone: Policy, delta: float) -> float:
+    used = counts.pooled.sum(axis=2)
+    uses = used[np.arange(estimate.n_states), clone]
+    expected, leaving = _uses_before_leaving(estimate, clone, uses > 0)
+    if leaving >= 1:
+        return 1.0
+    ratio = float(np.max(expected[uses > 0] / uses[uses > 0], initial=0.0))
+    budget = theory.transition_kl_budget.estimate(
+        S=estimate.n_states, counts=used[used > 0].tolist() or [0], delta=delta
+    )
+    return float(theory.hellinger_from_kl_with_exits.estimate(kl=float(budget) * ratio, exit_mass=leaving))
+
+
+def _uses_before_leaving(estimate: Dynamics, clone: Policy, known: np.ndarray) -> tuple[np.ndarray, float]:
+    """Expected uses of each state's pair in the H - 1 transitions, and the chance to meet a state that is not known."""
+    kernel = estimate.transitions[np.arange(estimate.n_states), clone]
+    expected, leaving, present = np.zeros(estimate.n_states), 0.0, estimate.initial
+    for _ in range(estimate.horizon - 1):
+        leaving += float(present[~known].sum())
+        expected += np.where(known, present, 0.0)
+        present = np.where(known, present, 0.0) @ kernel
+    return expected, min(leaving, 1.0)

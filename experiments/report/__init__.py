@@ -1,0 +1,1 @@
+"""``bridge-rl report``: runs and reproductions as one self-contained page."""

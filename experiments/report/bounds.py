@@ -1,0 +1,87 @@
+"""What the theory says for a run's setting: every bound that the setting determines, certified."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from html import escape
+
+from bridge_algos.offline.radius import minimum_visitation
+from bridge_algos.run.config import RunConfig
+from bridge_algos.run.world import World, build_world, caveats
+from bridge_theory.catalog import FORMULAS
+from bridge_theory.cli.rows import Row, missing_from, row_for
+from bridge_theory.parameters import show
+from bridge_theory.setting import Setting
+from experiments.report.ledger import row_anchor
+from experiments.report.text import table_html
+
+_GROUPS = {"offline": "Offline", "online": "Online", "regret": "Regret, in utility"}
+_HEADER = ("bound", "value", "trivial value", "says something?", "status")
+
+
+def run_setting(config: RunConfig, world: World) -> Setting:
+    """The parameters of the theory that a run determines; gamma_min is that of its expert under the real dynamics."""
+    mdp = world.mdp
+    n = config.n_demonstrations if world.demonstrations is None else len(world.demonstrations)
+    return Setting(
+        S=mdp.n_states,
+        A=mdp.n_actions,
+        H=mdp.horizon,
+        n=n,
+        T=config.rounds,
+        K=config.comparisons,
+        d=world.embedding.dimension,
+        B=world.embedding.bound,
+        W=world.weight_bound,
+        lam=str(config.lam),
+        delta=str(config.delta),
+        gamma_min=minimum_visitation(mdp.dynamics, world.expert.policy),
+    )
+
+
+def bounds_html(config: RunConfig) -> str:
+    """The setting, what of the run takes the guarantees away, and the bounds by group."""
+    world = build_world(config)
+    setting = run_setting(config, world)
+    given = ", ".join(f"{name} = {_short(name, setting)}" for name in setting)
+    rows = [row_for(formula, setting) for formula in FORMULAS.values() if not missing_from(formula, setting)]
+    missing = "; ".join(caveats(config, world))
+    warning = f'<p class="problem">The bounds assume what this run does not keep: {escape(missing)}.</p>'
+    tables = ""
+    for group, title in _GROUPS.items():
+        members = [row for row in rows if row.formula.group == group]
+        telling = [row for row in members if row.value is not None and row.value.trivial is not None]
+        rest = [row for row in members if row not in telling]
+        says = sum(row.value is not None and row.value.vacuous is False for row in telling)
+        summary = f"{title}: {says} of {len(telling)} bounds say something here"
+        if telling:
+            tables += _folded(summary, telling)
+        if rest:
+            tables += _folded(f"{title}: {len(rest)} parts and rates", rest)
+    return f'<p class="quiet">At {escape(given)}.</p>{warning if missing else ""}{tables}'
+
+
+def _folded(summary: str, rows: list[Row]) -> str:
+    inner = table_html(_HEADER, [_cells(row) for row in rows], "bounds")
+    return f"<details><summary>{escape(summary)}</summary>{inner}</details>"
+
+
+def _cells(row: Row) -> tuple[str, ...]:
+    formula = row.formula
+    link = row_anchor(formula.source)
+    source = f"<code>{escape(formula.source)}</code>"
+    name = f"{escape(formula.title)}<br>" + (f'<a href="#{link}">{source}</a>' if link else source)
+    if row.estimate is not None:
+        return (name, f"~ {row.estimate:.4g}", "–", "a rate: for scaling only", formula.status)
+    if row.value is None:
+        return (name, "undefined", "–", escape(row.problem), formula.status)
+    value = row.value
+    trivial = "–" if value.trivial is None else f"{value.trivial.middle:.4g}"
+    says = {None: "–", True: '<span class="empty">no</span>', False: '<b class="says">yes</b>'}[value.vacuous]
+    return (name, f'<span title="{escape(str(value.enclosure))}">{value.enclosure.middle:.4g}</span>', trivial, says,
+            formula.status)  # fmt: skip
+
+
+def _short(name: str, setting: Setting) -> str:
+    value = setting[name]
+    return f"{float(value):.4g}" if isinstance(value, Fraction) else show(value)

@@ -1,0 +1,74 @@
+"""Certificates of a run's logs beside what the run did: ``bridge-rl verify`` on the page."""
+
+from __future__ import annotations
+
+from html import escape
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from bridge_algos.run.log_file import load_log, log_files
+from bridge_theory.errors import InputError
+from experiments.report.text import table_html
+from proofs_checks.verify import Certificate, verify
+
+_NAMES = {
+    "trivial": "trivial",
+    "ucb": "optimism (UCB)",
+    "width": "width",
+    "hindsight": "hindsight",
+    "best": "best of all",
+}
+
+
+def certificates_html(directory: Path, results: xr.Dataset, most: int) -> str:
+    """The first ``most`` logs of a run, each verified; regret after the last round in utility.
+
+    A run without logs, or with one that cannot be read, says so.
+    """
+    paths = log_files(directory)
+    if not paths:
+        return "<p>The run kept no log to verify; <code>bridge-rl run ... --log</code> keeps one.</p>"
+    found: list[Certificate] = []
+    unread = []
+    for path in paths[:most]:
+        try:
+            found += verify(load_log(path))
+        except InputError as error:
+            unread.append(f'<p class="problem">{escape(str(error))}</p>')
+    good = sum(item.certified for item in found)
+    verdict = f'<p class="state{"" if good == len(found) and not unread else " bad"}">'
+    verdict += f"{good} of {len(found)} certified, from {min(most, len(paths))} of {len(paths)} logs.</p>"
+    header = ("algorithm", "seed", "verdict", "failure probability", "realised", *map(escape, _NAMES.values()))
+    rows = [_row(item, results) for item in found]
+    caption = '<p class="quiet">Regret after the last round, in utility: what happened, and what the log proves.</p>'
+    reasons = _listed("Why not", [f"{i.algorithm}, seed {i.seed}: {r}" for i in found for r in i.reasons])
+    notes = _listed("Notes", [note for item in found for note in item.notes])
+    assumed = _listed("What no log can show", [text for item in found for text in item.assumptions])
+    table = table_html(header, rows, "bounds") if rows else ""
+    return f"{verdict}{''.join(unread)}{caption}{table}{reasons}{notes}{assumed}"
+
+
+def _row(item: Certificate, results: xr.Dataset) -> tuple[str, ...]:
+    word = '<b class="says">certified</b>' if item.certified else '<b class="problem">not certified</b>'
+    bounds = [_number(float(item.bounds[name][-1])) if item.certified else "–" for name in _NAMES]
+    failure = f"{item.failure:.3g}" if item.certified else "–"
+    realised = _number(_realised(item.algorithm, item.seed, results))
+    return (escape(item.algorithm), str(item.seed), word, failure, realised, *bounds)
+
+
+def _realised(algorithm: str, seed: int, results: xr.Dataset) -> float:
+    if algorithm not in results.algorithm or seed not in results.seed:
+        return np.nan
+    regret = results.pseudo_regret.sel(algorithm=algorithm, seed=seed).sum()
+    return float(regret) * float(results.attrs.get("utility_scale", np.nan))
+
+
+def _number(value: float) -> str:
+    return f"{value:.4g}" if np.isfinite(value) else "–"
+
+
+def _listed(title: str, sentences: list[str]) -> str:
+    rows = "".join(f"<li>{escape(text)}</li>" for text in dict.fromkeys(sentences))
+    return f'<p class="title">{title}</p><ul>{rows}</ul>' if rows else ""

@@ -1,0 +1,49 @@
+"""``bridge-rl verify``: does a run's log prove its regret bounds?"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+
+from bridge_theory.cli.options import Parser
+from bridge_theory.errors import InputError
+
+
+def main(argv: list[str]) -> int:
+    """Verify logs. Returns 0 when all are certified, else 1; an unreadable log is a user's mistake."""
+    options = _parser().parse_args(argv)
+    from bridge_algos.run.log_file import load_log
+    from proofs_checks.verify.checker import verify
+
+    certificates = [item for path in _paths(options.run, options.seed) for item in verify(load_log(path))]
+    if options.json:
+        print(json.dumps([item.record() for item in certificates], indent=2))
+    else:
+        print("\n\n".join(item.words() for item in certificates))
+        good = sum(item.certified for item in certificates)
+        print(f"\n{good} of {len(certificates)} certified")
+    return int(not all(item.certified for item in certificates))
+
+
+def _parser() -> argparse.ArgumentParser:
+    p = Parser(prog="bridge-rl verify", description="Recompute a run from its log and certify its regret bounds.")
+    p.add_argument("run", type=Path, metavar="RUN", help="directory of 'bridge-rl run ... --log', or one log file")
+    p.add_argument("--seed", type=int, help="only this seed (default: all)")
+    p.add_argument("--json", action="store_true", help="print JSON with the bounds of every round")
+    return p
+
+
+def _paths(run: Path, seed: int | None) -> list[Path]:
+    from bridge_algos.run.log_file import log_files, log_path
+
+    if run.is_file():
+        if seed is not None:
+            raise InputError(f"{run} is one log; give its directory to choose a seed.")
+        return [run]
+    if seed is not None:
+        return [log_path(run, seed)]
+    paths = log_files(run)
+    if not paths:
+        raise InputError(f"{run} holds no logs (log-*.npz); make some with 'bridge-rl run ... --log --out {run}'.")
+    return paths

@@ -1,0 +1,89 @@
+"""The same numbers whatever the number of threads, of other policies, or of further initial states."""
+
+import numpy as np
+import pytest
+
+pytest.importorskip("mujoco", reason="rollouts need MuJoCo (the extra 'continuous')")
+
+from networks import random_policy
+
+from bridge_algos.continuous.environments import draw_starts, make_environment
+from bridge_algos.continuous.episodes import Episodes
+from bridge_algos.continuous.policies import MlpPolicies
+from bridge_algos.continuous.rollouts import map_rollouts, policy_features, rollout
+
+STEPS = {"reacher": 50, "ant": 25}
+
+
+def everything(episodes: Episodes) -> np.ndarray:
+    parts = (episodes.observations, episodes.actions, episodes.rewards)
+    return np.column_stack([part.reshape(len(episodes), -1) for part in parts])
+
+
+@pytest.fixture(params=STEPS)
+def case(request):
+    environment = make_environment(request.param)
+    template = random_policy(environment, 0, hidden=64)
+    noise = np.random.default_rng(1).normal(size=(3, len(template.parameters)))
+    policies = MlpPolicies(template, template.parameters + 0.1 * noise)
+    return environment, policies, draw_starts(environment, 70, np.random.default_rng(2)), STEPS[request.param]
+
+
+@pytest.mark.parametrize("sampled", [False, True])
+def test_threads(case, sampled):
+    environment, policies, starts, horizon = case
+    one, three = (
+        map_rollouts(
+            environment,
+            policies,
+            starts,
+            everything,
+            horizon=horizon,
+            threads=threads,
+            rng=np.random.default_rng(5) if sampled else None,
+        )
+        for threads in (1, 3)
+    )
+    np.testing.assert_array_equal(one, three)
+    assert np.ptp(one, axis=(0, 1)).max() > 0
+
+
+def test_other_policies_and_further_starts(case):
+    environment, policies, starts, horizon = case
+    whole = map_rollouts(environment, policies, starts, everything, horizon=horizon)
+    part = map_rollouts(environment, [policies[2]], starts[:10], everything, horizon=horizon)
+    np.testing.assert_array_equal(part[0], whole[2, :10])
+    sampled = [
+        rollout(environment, policies[0], starts[:n], horizon=steps, rng=np.random.default_rng(6))
+        for n, steps in ((70, horizon), (10, horizon - 5))
+    ]
+    np.testing.assert_array_equal(sampled[1].actions, sampled[0].actions[:10, : horizon - 5])
+
+
+def test_estimates_are_those_of_the_episodes(case):
+    environment, policies, starts, horizon = case
+
+    def embedding(episodes: Episodes) -> np.ndarray:
+        return episodes.states.mean(axis=1)
+
+    estimate = policy_features(environment, policies, starts, embedding, horizon=horizon)
+    for index, policy in enumerate(policies):
+        episodes = rollout(environment, policy, starts, horizon=horizon)
+        features = embedding(episodes)
+        np.testing.assert_array_equal(estimate.mean[index], features.mean(axis=0))
+        np.testing.assert_array_equal(estimate.standard_error[index], features.std(axis=0, ddof=1) / np.sqrt(70))
+        np.testing.assert_array_equal(estimate.returns[index], episodes.returns)
+
+
+def test_actions_of_a_gaussian_policy_have_its_distribution():
+    """Mean and deviation within six standard errors: false alarms less often than once in 10^8."""
+    environment = make_environment("reacher")
+    policy = random_policy(environment, 0, gain=0.1)
+    policy = policy.with_parameters(0.1 * policy.parameters)
+    starts = draw_starts(environment, 400, np.random.default_rng(0))
+    episodes = rollout(environment, policy, starts, rng=np.random.default_rng(1))
+    noise = (episodes.actions - policy(episodes.states.reshape(-1, 10)).reshape(400, 50, 2)) / policy.std
+    inside = np.abs(episodes.actions) < 1
+    assert inside.mean() > 0.99
+    assert abs(noise.mean()) < 6 / np.sqrt(noise.size)
+    assert abs(noise.var() - 1) < 6 * np.sqrt(2 / noise.size)

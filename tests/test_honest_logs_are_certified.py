@@ -1,0 +1,120 @@
+"""``bridge-rl verify`` accepts every honest log, says what it cannot promise, and shares no code with the algorithm."""
+
+import ast
+import json
+import subprocess
+import sys
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bridge_algos.run.config import preset
+from bridge_algos.run.log import logged_seed
+from bridge_algos.run.runner import run
+from bridge_algos.run.world import build_world
+from experiments.cli import main
+from proofs_checks.verify import Certificate, verify
+
+ROOT = Path(__file__).parent.parent
+
+THEORY = {"rounds": 6, "algorithms": ("bridge", "bridge-known", "pbrl")}
+RUNS = {
+    "starmdp, theory": ("theory", "starmdp", {}),
+    "starmdp, hand-set": ("theory", "starmdp", {"confidence": "fixed", "gamma": 1.0, "bonus_multiplier": 0.1}),
+    "starmdp, stated": ("theory", "starmdp", {"confidence": "stated"}),
+    "starmdp, published": ("published", "starmdp", {}),
+    "starmdp, many comparisons": ("theory", "starmdp", {"comparisons": 7, "fit": "adam"}),
+    "starmdp, ucb": ("theory", "starmdp", {"pair_rule": "ucb", "confidence": "fixed", "gamma": 0.3}),
+    "starmdp, greedy": ("theory", "starmdp", {"pair_rule": "greedy_vs_random", "confidence": "fixed", "gamma": 0.3}),
+    "starmdp, widest": ("theory", "starmdp", {"pair_rule": "max_uncertainty", "weight_bound": 0.05}),
+    "starmdp, noise": ("theory", "starmdp", {"noise": 0.2, "radius": 0.9}),
+    "starmdp, long embedding": ("published", "starmdp", {"embedding": "identity_long", "pair_rule": "ucb"}),
+    "starmdp, last state": ("published", "starmdp", {"embedding": "final_state", "fit": "exact", "slope": 1.0}),
+    "gridworld": ("theory", "gridworld", {"rounds": 3, "candidate_limit": 300, "search_size": 200}),
+    "frozenlake": ("theory", "frozenlake", {"rounds": 3, "candidate_limit": 300, "search_size": 200}),
+}
+
+
+@cache
+def certificates(name: str, seed: int = 0) -> tuple[Certificate, ...]:
+    chosen, environment, changes = RUNS[name]
+    config = preset(chosen, environment).but(**{**THEORY, **changes})
+    return verify(logged_seed(config, build_world(config), seed)[1])
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_every_honest_log_is_certified(name: str) -> None:
+    for item in certificates(name):
+        assert item.certified, item.words()
+        assert np.isfinite(item.bounds["best"]).all()
+        assert (np.diff(item.bounds["best"]) >= 0).all()
+        for bound in item.bounds.values():
+            assert (item.bounds["best"] <= bound).all()
+
+
+def test_only_the_trivial_bound_is_left_without_bradley_terry_answers() -> None:
+    for item in certificates("starmdp, published"):
+        assert item.failure == 0
+        assert np.isinf(item.bounds["hindsight"]).all()
+        assert any("Bradley-Terry" in note for note in item.notes)
+
+
+def test_a_hand_set_multiplier_is_said_to_have_no_guarantee() -> None:
+    for item in certificates("starmdp, hand-set"):
+        assert any("hand-set" in note for note in item.notes)
+        assert np.isfinite(item.bounds["hindsight"]).all()
+
+
+def test_unknown_dynamics_spend_a_second_event() -> None:
+    failures = {item.algorithm: item.failure for item in certificates("starmdp, theory")}
+    assert failures["bridge-known"] == pytest.approx(0.05)
+    assert failures["bridge"] == failures["pbrl"] == pytest.approx(0.1)
+
+
+def test_the_command_prints_a_verdict(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    config = preset("theory", "starmdp").but(rounds=2, algorithms=("bridge-known", "bc"))
+    run(config, tmp_path, seeds=2, log=True)
+    assert main(["verify", str(tmp_path)]) == 0
+    assert "2 of 2 certified" in capsys.readouterr().out
+    assert main(["verify", str(tmp_path), "--seed", "1", "--json"]) == 0
+    (record,) = json.loads(capsys.readouterr().out)
+    assert record["seed"] == 1
+    assert len(record["bounds"]["best"]) == 2
+    assert main(["verify", str(tmp_path), "--seed", "9"]) == 2
+    assert main(["verify", str(tmp_path / "seed-00000.nc")]) == 2
+
+
+def test_a_finished_run_gets_its_logs_without_new_numbers(tmp_path: Path) -> None:
+    config = preset("theory", "starmdp").but(rounds=2, algorithms=("bridge-known",))
+    before = run(config, tmp_path, seeds=2)
+    after = run(config, tmp_path, seeds=2, log=True)
+    assert before.drop_vars("seconds").identical(after.drop_vars("seconds"))
+    assert sorted(path.name for path in tmp_path.glob("log-*")) == ["log-00000.npz", "log-00001.npz"]
+
+
+ALLOWED = ("bridge_algos.run.log_file", "bridge_algos.envs.registry")
+
+
+def test_the_checker_shares_no_code_with_the_algorithms() -> None:
+    for path in (ROOT / "proofs_checks" / "verify").glob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            names = [a.name for a in node.names] if isinstance(node, ast.Import) else []
+            if isinstance(node, ast.ImportFrom):
+                assert node.level == 0
+                names = [node.module or ""]
+            for name in names:
+                assert not name.startswith("bridge_algos") or name in ALLOWED, f"{path.name} imports {name}"
+                assert not name.startswith("proofs_checks") or name.startswith("proofs_checks.verify")
+
+
+def test_checking_loads_none_of_the_algorithms() -> None:
+    program = (
+        "import sys, proofs_checks.verify.cli, proofs_checks.verify.checker; "
+        "print(*[m for m in sys.modules if m.startswith('bridge_algos.')])"
+    )
+    loaded = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, cwd=ROOT)
+    parts = {name.split(".")[1] for name in loaded.stdout.split()}
+    assert parts <= {"run", "envs", "files", "npz", "mdp"}
+    assert "bridge_algos.run.learners" not in loaded.stdout

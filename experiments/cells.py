@@ -55,6 +55,7 @@ def run_cells(
         for path, cell, identity in zip(paths, cells, identities, strict=True)
         if path not in found
     }
+    (directory / "cells").mkdir(parents=True, exist_ok=True)  # a place that cannot be written to shows at once
     for_each(_one, list(todo.values()), jobs, label, "cell", len(found))
     found |= {path: _load(path, identity) for _, _, identity, path in todo.values()}
     parts = [found[path].drop_attrs(deep=False) for path in paths]

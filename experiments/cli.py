@@ -48,6 +48,11 @@ def main(argv: list[str] | None = None) -> int:
     except BrokenPipeError:  # the reader, such as head, has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+    except OSError as error:
+        if error.filename is None:
+            raise
+        print(f"bridge-rl {name}: {error.filename} cannot be used ({error.strerror}); choose another", file=sys.stderr)
+        return 2
     except KeyboardInterrupt:
         print(f"bridge-rl {name}: interrupted; finished parts are kept", file=sys.stderr)
         return 130

@@ -1,5 +1,6 @@
 """A user's mistake ends in one sentence on standard error and exit status 2, never in a traceback."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 from bridge_algos.envs.registry import make_mdp
 from bridge_algos.mdp_file import load_mdp, save_mdp
 from bridge_algos.trajectories import Trajectories, sample_trajectories, save_trajectories
-from experiments.cli import main
+from experiments.cli import SUBCOMMANDS, main
 
 FAST = ["--seeds", "1", "--rounds", "2", "--jobs", "1"]
 
@@ -40,6 +41,11 @@ FAST = ["--seeds", "1", "--rounds", "2", "--jobs", "1"]
         (["bounds", "--demos", "none.npz", "--mdp", "starmdp"], "none.npz does not exist"),
         (["reproduce", "fig9"], "nothing to reproduce named 'fig9'"),
         (["reproduce"], "required: NAME"),
+        (["reproduce", "fig2-starmdp", "--jobs", "0"], "jobs is 0"),
+        (["reproduce", "ladder-starmdp", "--seeds", "5"], "--seeds 5 does not apply"),
+        (["report", "nowhere"], "nowhere is not a directory"),
+        (["report", "."], "holds neither a run"),
+        (["report", ".", "--verify", "0"], "--verify is 0"),
     ],
 )
 def test_mistakes(arguments: list[str], sentence: str, tmp_path: Path, capsys, monkeypatch) -> None:
@@ -61,6 +67,13 @@ def test_a_damaged_result_is_one_sentence(tmp_path: Path, capsys) -> None:
     assert "not a readable result file" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("arguments", [["run", "starmdp", *FAST], ["reproduce", "ladder-starmdp", "--quick"]])
+def test_a_place_that_cannot_be_written_to_is_named(arguments: list[str], tmp_path: Path, capsys) -> None:
+    (tmp_path / "taken").write_text("")
+    assert main([*arguments, "--jobs", "1", "--out", str(tmp_path / "taken")]) == 2
+    assert re.search(r"taken\S* cannot be .*; choose another", capsys.readouterr().err)
+
+
 def test_a_run_prints_its_table_and_writes_its_figures(tmp_path: Path, capsys) -> None:
     assert main(["run", "starmdp", *FAST, "--fit", "exact", "--out", str(tmp_path)]) == 0
     printed = capsys.readouterr().out
@@ -73,7 +86,7 @@ def test_a_run_prints_its_table_and_writes_its_figures(tmp_path: Path, capsys) -
 def test_help_lists_every_subcommand(capsys) -> None:
     assert main(["--help"]) == 0
     printed = capsys.readouterr().out
-    assert all(name in printed for name in ("run", "reproduce", "bounds", "plan"))
+    assert all(name in printed for name in SUBCOMMANDS)
 
 
 def test_the_configuration_can_be_shown(capsys) -> None:

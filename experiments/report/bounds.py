@@ -10,6 +10,7 @@ from bridge_algos.run.config import RunConfig
 from bridge_algos.run.world import World, build_world, caveats
 from bridge_theory.catalog import FORMULAS
 from bridge_theory.cli.rows import Row, missing_from, row_for
+from bridge_theory.errors import InputError
 from bridge_theory.parameters import show
 from bridge_theory.setting import Setting
 from experiments.report.ledger import row_anchor
@@ -40,8 +41,11 @@ def run_setting(config: RunConfig, world: World) -> Setting:
 
 
 def bounds_html(config: RunConfig) -> str:
-    """The setting, what of the run takes the guarantees away, and the bounds by group."""
-    world = build_world(config)
+    """The setting, what of the run takes the guarantees away, and the bounds by group; or why there are none."""
+    try:
+        world = build_world(config)
+    except InputError as error:
+        return f"<p>The run's world cannot be built again: {escape(str(error))}</p>"
     setting = run_setting(config, world)
     given = ", ".join(f"{name} = {_short(name, setting)}" for name in setting)
     rows = [row_for(formula, setting) for formula in FORMULAS.values() if not missing_from(formula, setting)]

@@ -26,8 +26,9 @@ def main(argv: list[str]) -> int:
     from experiments.report.page import page
 
     items = find_items(options.directory)
-    title = f"BRIDGE: {items[0].title}" if len(items) == 1 else f"BRIDGE: {len(items)} runs and reproductions"
     path = options.out or options.directory / "report.html"
-    atomic_write_text(path, page(items, title, verify=options.verify, check=options.check, jobs=options.jobs))
+    atomic_write_text(
+        path, page(items, options.directory.name, verify=options.verify, check=options.check, jobs=options.jobs)
+    )
     print(f"report: {path} ({path.stat().st_size / 1e6:.1f} MB; needs no network)")
     return 0

@@ -13,8 +13,10 @@ from typing import Any
 import xarray as xr
 
 from bridge_algos.netcdf import load_dataset, short_text
+from bridge_algos.run import plots
 from bridge_algos.run.config import RunConfig
 from bridge_algos.run.store import load_run, seed_files
+from bridge_algos.run.summary import table
 from bridge_theory.errors import InputError
 
 DATA = "data.nc"
@@ -75,32 +77,38 @@ def _places(directory: Path, depth: int) -> Iterator[Path]:
 
 
 def _item(place: Path, root: Path) -> Item:
-    from experiments.studies import runs
-
     name = place.name if place == root else str(place.relative_to(root))
     path = place / DATA
-    if path.is_file():
-        data = load_dataset(path, "reproduce it again")
-        study = _study(path, str(data.attrs.get("study")))
-        settings = _json(path, data, "settings")
-    else:
-        path, data, study = place, load_run(place), runs
-        settings = {"seeds": data.sizes["seed"], "configuration": json.loads(data.attrs["configuration"])}
+    if not path.is_file():
+        return _run(name, place)
+    data = load_dataset(path, "reproduce it again")
+    study = _study(path, str(data.attrs.get("study")))
+    settings = _json(path, data, "settings")
     try:
-        configuration = RunConfig.from_json(json.dumps(settings["configuration"])) if study is runs else None
+        described = settings.get("configuration")
         return Item(
             name,
             place,
             data,
             str(data.attrs["title"]),
             settings,
-            str(data.attrs.get("versions", "various")),
-            configuration,
+            str(data.attrs["versions"]),
+            RunConfig.from_json(json.dumps(described)) if described is not None else None,
             study.words(data),
             study.figures(data),
         )
     except (LookupError, ValueError, TypeError, AttributeError) as error:
         raise InputError(f"{path} cannot be drawn ({short_text(error)}); reproduce it again.") from None
+
+
+def _run(name: str, place: Path) -> Item:
+    data = load_run(place)
+    configuration = RunConfig.from_json(data.attrs["configuration"])
+    settings = {"seeds": data.sizes["seed"], "configuration": json.loads(data.attrs["configuration"])}
+    versions = str(data.attrs.get("versions", "various versions"))
+    title = f"Run on {configuration.environment}"
+    pictures = {"": plots.figure(data)}
+    return Item(name, place, data, title, settings, versions, configuration, table(data), pictures)
 
 
 def _study(path: Path, name: str) -> Any:

@@ -41,8 +41,8 @@ def page(items: Sequence[Item], title: str, *, verify: int = 3, check: str | Non
         '<!DOCTYPE html><html lang="en"><head><meta charset="utf-8">'
         f'<meta http-equiv="Content-Security-Policy" content="{policy}">'
         '<meta name="viewport" content="width=device-width, initial-scale=1"><link rel="icon" href="data:,">'
-        f"<title>{escape(title)}</title><style>{style}</style></head><body>"
-        f'<header class="top"><h1>{escape(title)}</h1><nav aria-label="Contents"><ul>{links}'
+        f"<title>BRIDGE report: {escape(title)}</title><style>{style}</style></head><body>"
+        f'<header class="top"><h1>BRIDGE report</h1><nav aria-label="Contents"><ul>{links}'
         f'<li><a href="#{ANCHOR}">The paper\'s statements</a></li></ul></nav></header>'
         f'<main>{sections}<section id="{ANCHOR}"><h2>Is each statement of the paper true?</h2>'
         f"{ledger_html(check, jobs)}</section></main>"

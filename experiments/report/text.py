@@ -39,6 +39,7 @@ def _table(lines: list[str]) -> str:
 
 
 def _sentences(lines: list[str]) -> str:
-    if len(lines) == 1:
-        return f"<p>{escape(lines[0], quote=False)}</p>"
-    return "<ul>" + "".join(f"<li>{escape(line.strip(), quote=False)}</li>" for line in lines) + "</ul>"
+    introduced = len(lines) == 1 or lines[0].endswith(":")
+    head = f"<p>{escape(lines[0], quote=False)}</p>" if introduced else ""
+    items = "".join(f"<li>{escape(line.strip(), quote=False)}</li>" for line in lines[introduced:])
+    return head + (f"<ul>{items}</ul>" if items else "")

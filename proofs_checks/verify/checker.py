@@ -13,13 +13,14 @@ and the definitions of the built-in environments, and nothing else.
 from __future__ import annotations
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from bridge_algos.run.log_file import RunLog
 from bridge_theory.arithmetic.flint_balls import ball, ends, working_precision
 from bridge_theory.errors import ComputationError
 from proofs_checks.verify.certificate import BOUNDS, Certificate
 from proofs_checks.verify.claims import Replay
-from proofs_checks.verify.consistency import best_policy_is_searched, contradictions
+from proofs_checks.verify.consistency import ALL, VERSION_SPACE, best_policy_is_searched, contradictions
 from proofs_checks.verify.ellipsoid import certified_scale, data_matrix, radius, solver_error
 from proofs_checks.verify.enclosed import Enclosed, FloatArray, cumulative, enlarged, largest_norms, raised
 from proofs_checks.verify.facts import Facts, add_transitions, facts
@@ -41,7 +42,8 @@ def verify(log: RunLog) -> tuple[Certificate, ...]:
     Raises:
         InputError: when the log is malformed or too large to check.
     """
-    return tuple(check(facts(log, algorithm)) for algorithm in log.algorithms)
+    with threadpool_limits(1):  # small products: threads cost more than they do
+        return tuple(check(facts(log, algorithm)) for algorithm in log.algorithms)
 
 
 def check(given: Facts) -> Certificate:
@@ -183,19 +185,19 @@ def _notes(given: Facts) -> tuple[str, ...]:
 
 def _assumptions(given: Facts) -> tuple[str, ...]:
     searched = best_policy_is_searched(given)
-    general = [
-        "the utility of a policy is <phi, w*> with ||w*|| <= W",
-        "regret is measured against the best of the policies searched"
-        if searched is None
-        else f"the demonstrations come from a best policy ({searched})"
-        if searched.startswith("every")
-        else f"the best policy is searched ({searched})",
-    ]
+    comparator = {
+        ALL: "regret is measured against the best policy, which is searched because all are",
+        VERSION_SPACE: f"the demonstrations come from a best policy, so that it is searched: {VERSION_SPACE}",
+        None: "regret is measured against the best of the policies searched; a log cannot show how good that is",
+    }
+    general = ("the utility of a policy is <phi, w*> with ||w*|| <= W", comparator[searched])
     if theory_withheld(given):
-        return tuple(general)
-    general.append("answers are independent given the trajectories and follow the Bradley-Terry model with w*")
-    general.append("the trajectories come from the real environment, both rollouts of a round drawn independently")
-    return tuple(general)
+        return general
+    return (
+        *general,
+        "answers are independent given the trajectories and follow the Bradley-Terry model with w*",
+        "the trajectories come from the real environment, both rollouts of a round drawn independently",
+    )
 
 
 def _certificate(given: Facts, reasons: list[str], walk: _Walk | None) -> Certificate:

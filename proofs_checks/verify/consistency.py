@@ -9,6 +9,9 @@ from bridge_theory.errors import InputError
 from proofs_checks.verify.facts import Facts
 from proofs_checks.verify.features import IntArray, approximate_bound
 
+ALL = "all policies are searched"
+VERSION_SPACE = "every policy that agrees with all demonstrations is searched"
+
 BALL_SLACK = 1e-9
 """Relative excess over W that the rounding of a projection may leave."""
 
@@ -47,9 +50,12 @@ def _environment(facts: Facts) -> list[str]:
         return ["the configuration names no environment"]
     if name.endswith(".npz"):
         return []
+    largest = max(facts.kernel.shape)
+    if any(key.startswith("n_") and isinstance(size, int) and size > largest for key, size in options.items()):
+        return [f"the dynamics are smaller than those of the environment {name!r}"]
     try:
         mdp = make_mdp(name, **options)
-    except (InputError, TypeError) as error:
+    except (InputError, TypeError, ValueError, OverflowError) as error:
         return [f"the environment cannot be made again: {error}"]
     same = (
         mdp.horizon == facts.table.places.shape[0]
@@ -69,9 +75,12 @@ def _trajectories(facts: Facts) -> list[str]:
                 faults.append(
                     f"round {t}: a trajectory of policy {i} passes a transition that the environment excludes"
                 )
-    demonstrations = facts.demonstrations
-    if facts.configuration.get("noise") == 0 and not _possible(facts, *demonstrations):
+    config = facts.configuration
+    if config.get("noise") == 0 and not _possible(facts, *facts.demonstrations):
         faults.append("a demonstration passes a transition that the environment excludes")
+    deterministic = config.get("expert") == "best-stationary" and config.get("demonstrations") is None
+    if deterministic and config.get("noise") == 0 and contradictory(facts):
+        faults.append("the demonstrations contradict each other, though the expert is deterministic")
     return faults
 
 
@@ -90,14 +99,28 @@ def _weights(facts: Facts) -> list[str]:
 
 
 def _version_space(facts: Facts) -> list[str]:
-    """For radius zero and demonstrations without noise: no policy searched contradicts a demonstration."""
-    if facts.configuration.get("radius") != "zero" or facts.algorithm == "pbrl":
+    """Radius zero: the policies that take one most frequently demonstrated action in each demonstrated state."""
+    config, faults = facts.configuration, []
+    if config.get("radius") != "zero" or facts.algorithm == "pbrl":
         return []
-    states, actions = facts.demonstrations
-    if contradictory(facts):
-        return []
-    wrong = (facts.policies[:, states.ravel()] != actions.ravel()).any(axis=1)
-    return [f"{int(wrong.sum())} of the policies searched contradict the demonstrations"] if wrong.any() else []
+    _, n_states, n_actions, _ = facts.table.places.shape
+    recorded = np.zeros((n_states, n_actions), dtype=np.int64)
+    np.add.at(recorded, facts.demonstrations, 1)
+    seen = np.flatnonzero(recorded.sum(axis=1))
+    chosen = facts.policies[:, seen]
+    frequent = recorded[seen, chosen] == recorded[seen].max(axis=1)
+    wrong = ~frequent.all(axis=1) | (chosen != chosen[0]).any(axis=1)
+    if wrong.any():
+        faults.append(f"{int(wrong.sum())} of the policies searched do not agree with the demonstrations")
+    size, limit = n_actions ** (n_states - len(seen)), config.get("candidate_limit")
+    if config.get("candidates") == "exact" and isinstance(limit, int) and size <= limit:
+        distinct = len(np.unique(facts.policies, axis=0))
+        if not size == distinct == len(facts.policies):
+            faults.append(
+                f"{size} policies agree with the demonstrations, the log searches {len(facts.policies)}, {distinct} of "
+                "them different"
+            )
+    return faults
 
 
 def contradictory(facts: Facts) -> bool:
@@ -111,10 +134,10 @@ def best_policy_is_searched(facts: Facts) -> str | None:
     _, n_states, n_actions, _ = facts.table.places.shape
     distinct = len(np.unique(facts.policies, axis=0))
     if distinct == n_actions**n_states:
-        return "all policies are searched"
+        return ALL
     free = n_states - len(np.unique(facts.demonstrations[0]))
     config = facts.configuration
     closed = config.get("radius") == "zero" and facts.algorithm != "pbrl" and config.get("noise") == 0
     if closed and not contradictory(facts) and distinct == n_actions**free:
-        return "every policy that agrees with all demonstrations is searched"
+        return VERSION_SPACE
     return None

@@ -17,7 +17,7 @@ from proofs_checks.verify.enclosed import FloatArray
 from proofs_checks.verify.features import Coordinates, IntArray, coordinates
 
 ALGORITHMS = ("bridge", "bridge-known", "pbrl")
-MOST_PAIRS = 10**11
+MOST_PAIRS = 3 * 10**10
 """Pairs of policies that are compared in one log: some minutes."""
 MOST_RESIDUALS = 10**7
 """Terms of all estimating equations together: some minutes."""

@@ -48,8 +48,8 @@ class View:
     def possible(self) -> NDArray[np.bool_]:
         """The candidates that are not excluded from Pi_t for certain, (N,)."""
         stretched = self.rho * enlarged(1 / np.sqrt(1 - self.matrix.defect))
-        margins = worst_margins(self.scores, self.whitened, enlarged(stretched), self.bonus, upper=True)
-        return np.asarray(margins >= 0)
+        _, highest = worst_margins(self.scores, self.whitened, enlarged(stretched), self.bonus)
+        return np.asarray(highest >= 0)
 
     @property
     def scores(self) -> Enclosed:

@@ -49,8 +49,10 @@ class Table:
     def look(self, learner: Any, counts: Any, policies: Any, rng: Any) -> tuple[None, FloatArray, FloatArray]:
         return None, self.phi[policies[:, 0]], np.zeros(len(policies))
 
-    def sample(self, policy: Any, n: int, rng: np.random.Generator) -> Played:
-        i = int(policy[0])
+    def sample_pair(self, pair: Any, n: int, rng: np.random.Generator) -> tuple[Played, Played]:
+        return self.sample(int(pair[0, 0]), n, rng), self.sample(int(pair[1, 0]), n, rng)
+
+    def sample(self, i: int, n: int, rng: np.random.Generator) -> Played:
         rewards = self.returns[i] / HORIZON + 0.3 * rng.normal(size=(n, HORIZON))
         shown = np.full((n, HORIZON), i, dtype=float)
         return Played(self.phi[i] + 0.3 * rng.normal(size=(n, D)), rewards, shown, shown)
@@ -95,7 +97,7 @@ def test_replay(rule: str) -> None:
             others = np.delete(np.flatnonzero(kept), int(scores[kept].argmax()))
             assert first == scores.argmax()
             assert second == rng.choice(others)
-        one, two = (table.sample([i], K, rng) for i in (first, second))
+        one, two = (table.sample(i, K, rng) for i in (first, second))
         coins = rng.random(K), rng.random(K)
         assert len(coins) == 2
         new = (one.rewards.sum(axis=1) > two.rewards.sum(axis=1)).astype(float)

@@ -70,11 +70,15 @@ class SimulatedProblem:
         """The features made before; there are no transition counts, and so no bonuses."""
         return None, self.stage.features.mean[policies[:, 0]], np.zeros(len(policies))
 
-    def sample(self, policy: IntArray, n: int, rng: np.random.Generator) -> Episodes:
-        """n episodes of a candidate from initial states of their own, with mean actions."""
-        environment = self.stage.environment
-        starts = draw_starts(environment, n, rng)
-        return rollout(environment, self.stage.candidates[int(policy[0])], starts, horizon=self.horizon, threads=1)
+    def sample_pair(self, pair: IntArray, n: int, rng: np.random.Generator) -> tuple[Episodes, Episodes]:
+        """n episodes of each of two candidates with mean actions; all 2 n start independently."""
+        environment, candidates = self.stage.environment, self.stage.candidates
+
+        def play(policy: IntArray) -> Episodes:
+            starts = draw_starts(environment, n, rng)
+            return rollout(environment, candidates[int(policy[0])], starts, horizon=self.horizon, threads=1)
+
+        return play(pair[0]), play(pair[1])
 
 
 def make_learner(name: str, config: ContinuousConfig, stage: OfflineStage) -> Learner:

@@ -10,7 +10,8 @@ from typing import Any
 
 from bridge_algos.continuous.config import SHORT_NAMES, ContinuousConfig, continuous_preset, is_continuous
 from bridge_algos.envs.registry import mdp_names
-from bridge_algos.run.config import preset
+from bridge_algos.online.loop import FITS
+from bridge_algos.run.config import PRESETS, RunConfig, preset
 from bridge_algos.run.configuration import ALGORITHMS, Configuration
 from bridge_theory.cli.options import Parser
 from bridge_theory.errors import InputError
@@ -21,15 +22,23 @@ def parser() -> argparse.ArgumentParser:
     p = Parser(prog="bridge-rl run", description="Run BRIDGE, PbRL and BC on an environment.")
     names = (*mdp_names(), *SHORT_NAMES)
     p.add_argument("environment", help=f"one of {', '.join(names)}, an MDP's .npz file, or a MuJoCo environment's id")
-    p.add_argument("--preset", default="published", help="published (default) or theory (tabular only)")
-    p.add_argument("--seeds", type=int, help="number of seeds, 0..SEEDS-1 (default 30; MuJoCo 20)")
-    p.add_argument("--rounds", type=int, help="online rounds T (default: the preset's)")
-    p.add_argument("--algorithms", help=f"comma-separated, of {', '.join(ALGORITHMS)} (default bridge,pbrl,bc)")
-    p.add_argument("--fit", help="exact, adam or continual: how the preference weights are fitted (default: preset's)")
-    p.add_argument("--features", choices=("exact", "sampled"), help="sampled: 100 rollouts a policy, as in the paper")
-    p.add_argument("--demos", metavar="FILE", help="demonstrations (.npz) that every seed uses instead of the expert's")
+    add_options(p)
+    p.set_defaults(seeds=None)
     p.add_argument("--expert", metavar="FILE", help="MuJoCo: the expert's file (default: the one that is shipped)")
     p.add_argument("--include-expert", action="store_true", help="MuJoCo: search the expert too, as published")
+    p.add_argument("--show-config", action="store_true", help="print the configuration as JSON and stop")
+    return p
+
+
+def add_options(p: argparse.ArgumentParser) -> None:
+    """The options that describe a run, all but its environment; :func:`configuration` reads them."""
+    p.add_argument("--preset", default="published", help=f"one of {', '.join(PRESETS)} (default published)")
+    p.add_argument("--seeds", type=int, default=30, help="number of seeds, 0..SEEDS-1 (default 30; MuJoCo 20)")
+    p.add_argument("--rounds", type=int, help="online rounds T (default: the preset's)")
+    p.add_argument("--algorithms", help=f"comma-separated, of {', '.join(ALGORITHMS)} (default bridge,pbrl,bc)")
+    p.add_argument("--fit", help=f"one of {', '.join(FITS)}: how preference weights are fitted (default: the preset's)")
+    p.add_argument("--features", choices=("exact", "sampled"), help="sampled: 100 rollouts a policy, as in the paper")
+    p.add_argument("--demos", metavar="FILE", help="demonstrations (.npz) that every seed uses instead of the expert's")
     p.add_argument("--radius", help="of the offline set: a number, stated, repaired or zero (default: the preset's)")
     p.add_argument(
         "--set", action="append", default=[], metavar="NAME=VALUE", help="any other entry of the configuration"
@@ -37,14 +46,15 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--jobs", type=int, default=-1, help="processes (default: all cores); does not change the numbers")
     p.add_argument("--out", type=Path, help="results directory (default out/ENVIRONMENT-PRESET)")
     p.add_argument("--log", action="store_true", help="keep each seed's log, which 'bridge-rl verify' checks")
-    p.add_argument("--show-config", action="store_true", help="print the configuration as JSON and stop")
-    return p
 
 
 def main(argv: list[str]) -> int:
     """Run, print the table, write the figures; finished seeds are kept and skipped on the next call."""
     options = parser().parse_args(argv)
-    config = _config(options)
+    continuous = is_continuous(options.environment)
+    if not continuous and (options.expert or options.include_expert):
+        raise InputError(f"--expert and --include-expert are for MuJoCo; {options.environment} computes its expert.")
+    config = _continuous_configuration(options) if continuous else configuration(options)
     if options.show_config:
         print(json.dumps(json.loads(config.to_json()), indent=2))
         return 0
@@ -53,7 +63,7 @@ def main(argv: list[str]) -> int:
     from bridge_algos.run.summary import table
 
     directory = options.out or Path("out") / f"{Path(options.environment).stem}-{options.preset}"
-    seeds = options.seeds if options.seeds is not None else 20 if is_continuous(options.environment) else 30
+    seeds = options.seeds if options.seeds is not None else 20 if continuous else 30
     results = run(config, directory, seeds, options.jobs, log=options.log)
     print(table(results))
     paths = plots.save(plots.figure(results), directory / "regret")
@@ -61,45 +71,52 @@ def main(argv: list[str]) -> int:
     return 0
 
 
-def _config(options: argparse.Namespace) -> Configuration:
+def configuration(options: argparse.Namespace) -> RunConfig:
+    """The tabular configuration that parsed options describe; ``options.environment`` names the environment."""
     from bridge_algos.run.world import digest
 
-    continuous = is_continuous(options.environment)
-    base = (continuous_preset if continuous else preset)(options.preset, options.environment)
+    base = preset(options.preset, options.environment)
+    changes = _changes(options, base)
+    if options.demos is not None:
+        changes |= {"demonstrations": options.demos, "demonstrations_digest": digest(options.demos)}
+    if options.features is not None:
+        changes["rollouts"] = 100 if options.features == "sampled" else None
+    return base.but(**changes)
+
+
+def _continuous_configuration(options: argparse.Namespace) -> ContinuousConfig:
+    from bridge_algos.run.world import digest
+
+    base = continuous_preset(options.preset, options.environment)
+    changes = _changes(options, base)
+    if options.features is not None:
+        raise InputError("--features does not apply to MuJoCo, where all are sampled; use --set rollouts=NUMBER.")
+    if options.expert:
+        changes |= {"expert": options.expert, "expert_digest": digest(options.expert)}
+    if options.include_expert:
+        changes["include_expert"] = True
+    if options.demos is None:
+        return base.but(**changes)
+    from bridge_algos.continuous.offline import episodes_digest, load_world
+
+    config = base.but(**changes, demonstrations=options.demos)
+    _, _, given = load_world(config)
+    assert given is not None
+    return config.but(demonstrations_digest=episodes_digest(given))
+
+
+def _changes(options: argparse.Namespace, base: Configuration) -> dict[str, Any]:
+    """What the options that both kinds of configuration have change in ``base``."""
     changes: dict[str, Any] = dict(_assignment(text, base) for text in options.set)
     if options.rounds is not None:
         changes["rounds"] = options.rounds
     if options.algorithms is not None:
         changes["algorithms"] = tuple(options.algorithms.split(","))
-    if options.demos is not None:
-        changes |= {"demonstrations": options.demos}
-        if not continuous:
-            changes |= {"demonstrations_digest": digest(options.demos)}
     if options.fit is not None:
         changes["fit"] = options.fit
-    if options.features is not None:
-        if continuous:
-            raise InputError("--features does not apply to MuJoCo, where all are sampled; use --set rollouts=NUMBER.")
-        changes["rollouts"] = 100 if options.features == "sampled" else None
     if options.radius is not None:
         changes["radius"] = _number_or_text(options.radius)
-    if (options.expert or options.include_expert) and not continuous:
-        raise InputError(f"--expert and --include-expert are for MuJoCo; {options.environment} computes its expert.")
-    if options.expert:
-        changes |= {"expert": options.expert, "expert_digest": digest(options.expert)}
-    if options.include_expert:
-        changes["include_expert"] = True
-    config = base.but(**changes)
-    return _with_digest(config) if isinstance(config, ContinuousConfig) and options.demos is not None else config
-
-
-def _with_digest(config: ContinuousConfig) -> ContinuousConfig:
-    """The configuration with the digest of its demonstrations' content, which may lie in several files."""
-    from bridge_algos.continuous.offline import episodes_digest, load_world
-
-    _, _, given = load_world(config.but(demonstrations_digest=None))
-    assert given is not None
-    return config.but(demonstrations_digest=episodes_digest(given))
+    return changes
 
 
 def _assignment(text: str, base: Configuration) -> tuple[str, Any]:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from fractions import Fraction
 from typing import Any, get_args
 
+from bridge_algos.envs.counterexamples import instance
 from bridge_algos.offline.cloning import TieBreak
 from bridge_algos.offline.transitions import EmptyRow
 from bridge_algos.online.pair_rules import PairRule
@@ -20,7 +23,7 @@ from bridge_algos.run.configuration import (
 from bridge_theory.errors import InputError
 
 EXPERTS = ("discounted-lp", "finite-horizon-lp", "best-stationary")
-RADII = ("stated", "repaired", "zero")
+RADII = ("stated", "stated-known", "repaired", "zero")
 
 _CHOICES: dict[str, tuple[str, ...]] = {
     "expert": EXPERTS,
@@ -66,7 +69,7 @@ class RunConfig(Configuration):
             larger; ``"rejection"`` keeps those of ``proposals`` random policies that lie in it (the paper's way).
         search_size: how many policies PbRL searches when there are too many to take all; at most half of them are
             lent from the offline set, the others are random.
-        embedding: name of the embedding.
+        embedding: name of the embedding, one of :func:`bridge_algos.embeddings.make_embedding` or ``"return"``.
         rounds, comparisons: T, and K trajectory pairs compared in a round.
         pair_rule: see :func:`bridge_algos.online.pair_rules.choose_pair`.
         confidence: ``"fixed"`` (then ``gamma`` and ``bonus_multiplier``), ``"stated"`` or ``"repaired"``.
@@ -153,12 +156,17 @@ _THEORY: dict[str, Any] = {
 }
 
 
+PRESETS = ("published", "theory", "counterexample")
+
+
 def preset(name: str, environment: str) -> RunConfig:
     """A named configuration for an environment.
 
     ``"published"`` are the settings of the authors' published runs (StarMDP, Gridworld; other environments take
     Gridworld's). ``"theory"`` keeps their problem sizes and takes everything else from the theory: Bradley-Terry
-    answers, one a round, certified multipliers and bonuses, the version space as offline set.
+    answers, one a round, certified multipliers and bonuses, the version space as offline set. ``"counterexample"``, for
+    the environments of that name, are the exact numbers of the ledger's instance and the paper's stated multiplier and
+    radius.
 
     >>> preset("published", "starmdp").radius
     0.9
@@ -169,4 +177,25 @@ def preset(name: str, environment: str) -> RunConfig:
     if name == "theory":
         kept = {key: size[key] for key in ("n_demonstrations", "rounds") if key in size}
         return RunConfig(environment, **kept, **_THEORY)
-    raise InputError(f"unknown preset {name!r}; expected 'published' or 'theory'.")
+    if name == "counterexample":
+        return _counterexample(instance(environment), environment)
+    raise InputError(f"unknown preset {name!r}; expected one of {', '.join(PRESETS)}.")
+
+
+def _counterexample(numbers: Mapping[str, str], environment: str) -> RunConfig:
+    return RunConfig(
+        environment,
+        **_THEORY
+        | {
+            "algorithms": ("bridge-known",),
+            "embedding": "return",
+            "confidence": "stated",
+            "radius": "stated-known",
+            "pair_rule": "max_uncertainty",
+            "weight_bound": float(Fraction(numbers["W"])),
+            "lam": float(Fraction(numbers["lambda"])),
+            "delta": float(Fraction(numbers["delta"])),
+            "n_demonstrations": int(numbers["n"]),
+            "rounds": int(numbers["T"]),
+        },
+    )

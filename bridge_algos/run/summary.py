@@ -23,13 +23,13 @@ class Mean:
         return f"{self.mean:.2f} ± {self.half_width:.2f}" if np.isfinite(self.half_width) else f"{self.mean:.2f}"
 
 
-def mean_over_seeds(values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Mean and 95 % half-width over the first axis, whose entries are independent seeds."""
+def mean_over_seeds(values: FloatArray, level: float = 0.95) -> tuple[FloatArray, FloatArray]:
+    """Mean and half-width of its Student interval over the first axis, whose entries are independent seeds."""
     n = len(values)
     mean = values.mean(axis=0)
     if n < 2:
         return mean, np.full_like(mean, np.inf)
-    return mean, scipy.stats.t.ppf(0.975, n - 1) * values.std(axis=0, ddof=1) / np.sqrt(n)
+    return mean, scipy.stats.t.ppf((1 + level) / 2, n - 1) * values.std(axis=0, ddof=1) / np.sqrt(n)
 
 
 def cumulative(results: xr.Dataset, variable: str, algorithm: str) -> FloatArray:

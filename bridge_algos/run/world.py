@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bridge_algos.embeddings import Embedding, make_embedding
+from bridge_algos.embeddings import Embedding, make_embedding, return_embedding
 from bridge_algos.envs.registry import make_mdp
 from bridge_algos.expert.experts import Expert, make_expert
 from bridge_algos.mdp import FloatArray, IntArray, TabularMDP
@@ -56,11 +56,13 @@ def build_world(config: RunConfig) -> World:
     mdp = load_mdp(config.environment) if from_file else make_mdp(config.environment, **config.environment_options)
     demonstrations = _demonstrations(config, mdp)
     expert = make_expert(mdp, config.expert, config.discount, config.solver)
-    embedding = make_embedding(config.embedding, mdp.n_states, mdp.n_actions, mdp.horizon)
+    embedding = _embedding(config.embedding, mdp)
     weight_bound = 1 / embedding.bound if config.weight_bound is None else config.weight_bound
     w_star, scale = None, np.nan
     if config.embedding == "state_action_counts":
         w_star, scale = _utility(mdp, weight_bound)
+    elif config.embedding == "return":
+        w_star, scale = np.array([weight_bound]), weight_bound
     n = config.n_demonstrations if demonstrations is None else len(demonstrations)
     if n * mdp.horizon > MOST_STEPS:
         raise InputError(
@@ -122,6 +124,12 @@ def return_oracle(options: dict[str, float]) -> ReturnOracle:
     except TypeError:
         known = ", ".join(ReturnOracle.__dataclass_fields__)
         raise InputError(f"unknown oracle option in {sorted(options)}; expected some of {known}.") from None
+
+
+def _embedding(name: str, mdp: TabularMDP) -> Embedding:
+    if name == "return":
+        return return_embedding(mdp)
+    return make_embedding(name, mdp.n_states, mdp.n_actions, mdp.horizon)
 
 
 def _utility(mdp: TabularMDP, weight_bound: float) -> tuple[FloatArray, float]:

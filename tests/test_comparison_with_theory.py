@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ import bridge_theory as theory
 from bridge_algos.envs.counterexamples import instance
 from bridge_algos.envs.registry import make_mdp
 from bridge_algos.run.config import preset
+from bridge_algos.run.log_file import load_log, log_files, save_log
 from bridge_algos.run.runner import run
 from bridge_algos.run.store import load_run
 from bridge_algos.run.world import build_world
@@ -19,6 +21,7 @@ from experiments.cli import main
 from experiments.compare import compare, table, words
 from experiments.compare import comparison as comparing
 from proofs_checks.counterexample import load, on_environment
+from proofs_checks.verify import verify
 
 COUNTEREXAMPLE = "counterexample-known-model"
 ROUNDS = 1500
@@ -36,6 +39,13 @@ def violated(tmp_path_factory):
 def star(tmp_path_factory):
     directory = tmp_path_factory.mktemp("star")
     run(preset("theory", "starmdp").but(**STAR), directory, 4)
+    return directory
+
+
+@pytest.fixture(scope="module")
+def logged(tmp_path_factory):
+    directory = tmp_path_factory.mktemp("logged")
+    run(preset("theory", "starmdp").but(**STAR), directory, 2, log=True)
     return directory
 
 
@@ -135,6 +145,31 @@ def test_every_number_is_a_direct_evaluation(star):
     assert found.lower[-1] <= regret.mean() <= found.upper[-1]
 
 
+def test_the_certified_curve_is_that_of_the_checker(logged):
+    for found in compare(logged):
+        row = rows_of(found)["certified"]
+        for path in log_files(logged):
+            (certificate,) = (item for item in verify(load_log(path)) if item.algorithm == found.algorithm)
+            assert (row.curve.values[certificate.seed] == certificate.bounds["best"][found.rounds - 1]).all()
+            assert row.curve.failure == certificate.failure
+        assert (row.curve.values >= found.empirical.regret).all()
+        assert "played" not in rows_of(found)  # contained in the certified minimum
+
+
+def test_a_tampered_log_gives_no_certified_curve(logged, tmp_path):
+    shutil.copytree(logged, tmp_path / "copy")
+    victim = log_files(tmp_path / "copy")[1]
+    log = load_log(victim)
+    arrays = {**log.arrays, "bridge/outcomes": 1 - log.arrays["bridge/outcomes"]}
+    save_log(victim, dataclasses.replace(log, arrays=arrays))
+    known, unknown = compare(tmp_path / "copy")
+    assert "certified" in rows_of(known)
+    assert "certified" not in rows_of(unknown)
+    assert any("seed 1 is not certified" in item.reason for item in unknown.left_out)
+    victim.unlink()
+    assert all(any("1 of 2 seeds have no log" in x.reason for x in c.left_out) for c in compare(tmp_path / "copy"))
+
+
 def test_the_lemma_has_the_sums_that_were_played(violated):
     (found,) = compare(violated)
     norms = np.asarray(load_run(violated).uncertainty).sum()
@@ -159,10 +194,8 @@ def with_values(curve, value):
 @pytest.mark.parametrize(("seeds", "verdict"), [(1, "below, not certified"), (4, "violated")])
 def test_few_random_runs_above_a_bound_do_not_refute_it(star, seeds, verdict):
     """A bound at level 0.85 that every run exceeds: one run may be the unlucky one, four are not."""
-    subject = comparing.subjects(
-        load_run(star).isel(seed=slice(seeds)), preset("theory", "starmdp").but(**STAR),
-        build_world(preset("theory", "starmdp").but(**STAR)), star,
-    )[0]  # fmt: skip
+    subject = comparing.subjects(star)[0]
+    subject = dataclasses.replace(subject, results=subject.results.isel(seed=slice(seeds)))
     curve = next(row.curve for row in compare(star)[0].rows if row.curve.kind == "a-priori")
     row = comparing._row(subject_curve := with_values(curve, -1.0), comparing._empirical(subject), 24.0)
     assert subject_curve.failure == pytest.approx(0.15)

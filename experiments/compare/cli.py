@@ -29,7 +29,7 @@ def main(argv: list[str]) -> int:
     from experiments.compare import compare, figure, table, words
     from experiments.compare.record import record
 
-    comparisons = [comparison for directory in directories for comparison in compare(directory)]
+    comparisons = [comparison for directory in directories for comparison in compare(directory, options.jobs)]
     text = "\n\n".join(f"{table(comparison)}\n\n{words(comparison)}" for comparison in comparisons)
     print(text)
     atomic_write_text(out / "compare.txt", text + "\n")
@@ -67,9 +67,11 @@ def _stored_runs(what: list[str]) -> list[Path] | None:
 
 
 def _refuse_run_options(argv: list[str]) -> None:
-    given = [text for text in argv if text.startswith("--") and not text.startswith("--out")]
+    given = [text for text in argv if text.startswith("--") and not text.startswith(("--out", "--jobs"))]
     if given:
-        raise InputError(f"{given[0].split('=')[0]} belongs to a run that is made here; stored runs take --out only.")
+        raise InputError(
+            f"{given[0].split('=')[0]} belongs to a run that is made here; stored runs take --out and --jobs only."
+        )
 
 
 def _run(options: argparse.Namespace) -> Path:
@@ -88,5 +90,5 @@ def _run(options: argparse.Namespace) -> Path:
     config = run_cli.configuration(options)
     compared_algorithms(config, build_world(config))  # what cannot be compared is refused before it is run
     directory = options.out or Path("out") / f"compare-{Path(options.environment).stem}-{options.preset}"
-    run(config, directory, options.seeds, options.jobs)
+    run(config, directory, options.seeds, options.jobs, log=True)
     return directory

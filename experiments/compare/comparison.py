@@ -10,9 +10,6 @@ from typing import Literal
 import numpy as np
 
 from bridge_algos.mdp import FloatArray, IntArray
-from bridge_algos.run.config import RunConfig
-from bridge_algos.run.store import load_run
-from bridge_algos.run.world import build_world
 from bridge_theory import regret_trivial
 from experiments.compare.ledger import Replay, exact_replay, refuted_label
 from experiments.compare.sequence import confidence_sequence
@@ -100,7 +97,7 @@ class Comparison:
     left_out: tuple[LeftOut, ...]
 
 
-def compare(directory: Path) -> tuple[Comparison, ...]:
+def compare(directory: Path, jobs: int = 1) -> tuple[Comparison, ...]:
     """Compare a stored run with the theory, one comparison for each algorithm that the theory speaks about.
 
     Verdicts on a bound after the last round T:
@@ -112,13 +109,14 @@ def compare(directory: Path) -> tuple[Comparison, ...]:
     - ``"below, not about this run"``: the mean regret exceeds it, but the run does not meet its assumptions.
     - ``"vacuous"``: no better than 2BWT. ``"informative"``: certainly below it.
 
+    Args:
+        directory: where 'bridge-rl run' stored the run, with its logs where certified bounds are wanted.
+        jobs: processes that check the logs; they do not change the result.
+
     Raises:
         InputError: when there is no run, or none of its algorithms can be compared.
     """
-    results = load_run(directory)
-    config = RunConfig.from_json(results.attrs["configuration"])
-    world = build_world(config)
-    return tuple(_compare(subject) for subject in subjects(results, config, world, directory))
+    return tuple(_compare(subject) for subject in subjects(directory, jobs))
 
 
 def _compare(subject: Subject) -> Comparison:
@@ -127,7 +125,7 @@ def _compare(subject: Subject) -> Comparison:
     setting, last = subject.setting, int(subject.rounds[-1])
     trivial = regret_trivial.enclosure(B=setting["B"], W=setting["W"], T=last).lower
     return Comparison(
-        name=f"{subject.directory.name}, {subject.algorithm}",
+        name=f"{subject.name}, {subject.algorithm}",
         environment=subject.config.environment,
         algorithm=subject.algorithm,
         rounds=subject.rounds,

@@ -15,9 +15,12 @@ from bridge_algos.expert.dynamic_programming import backward_induction
 from bridge_algos.mdp import FloatArray, IntArray
 from bridge_algos.offline.radius import minimum_visitation
 from bridge_algos.run.config import RunConfig
-from bridge_algos.run.world import World
+from bridge_algos.run.store import load_run
+from bridge_algos.run.world import World, build_world
 from bridge_theory.errors import InputError
 from bridge_theory.setting import Setting
+from experiments.compare.certificates import certificates
+from proofs_checks.verify import Certificate
 
 COMPARED = ("bridge-known", "bridge")
 """The algorithms that the theory speaks about; PbRL and BC have no version of it."""
@@ -34,7 +37,8 @@ class Subject:
         config, world: of the run.
         results: the run's data set of this algorithm, over (seed, round).
         rounds: (G,) the rounds t at which curves are evaluated, the last one T.
-        directory: where the run is stored, with its logs if it has any.
+        name: of the run.
+        certificates: what the checker found in the run's logs, by algorithm and seed, or why it checked none.
     """
 
     algorithm: str
@@ -42,7 +46,8 @@ class Subject:
     world: World
     results: xr.Dataset
     rounds: IntArray
-    directory: Path
+    name: str
+    certificates: dict[tuple[str, int], Certificate] | str
 
     @property
     def known(self) -> bool:
@@ -99,17 +104,19 @@ class Subject:
         )
 
 
-def subjects(results: xr.Dataset, config: RunConfig, world: World, directory: Path) -> list[Subject]:
-    """The algorithms of a run that can be compared.
+def subjects(directory: Path, jobs: int = 1) -> list[Subject]:
+    """The algorithms of a stored run that can be compared; ``jobs`` processes check its logs.
 
     Raises:
-        InputError: see :func:`compared_algorithms`.
+        InputError: when there is no run; see also :func:`compared_algorithms`.
     """
+    results = load_run(directory)
+    config = RunConfig.from_json(results.attrs["configuration"])
+    world = build_world(config)
+    names = compared_algorithms(config, world)
+    found = certificates(directory, jobs)
     grid = evaluation_rounds(results.sizes["round"])
-    return [
-        Subject(name, config, world, results.sel(algorithm=name), grid, directory)
-        for name in compared_algorithms(config, world)
-    ]
+    return [Subject(name, config, world, results.sel(algorithm=name), grid, directory.name, found) for name in names]
 
 
 def compared_algorithms(config: RunConfig, world: World) -> tuple[str, ...]:

@@ -17,6 +17,7 @@ from bridge_algos.mdp import FloatArray
 from bridge_theory.bound import Bound, Rate
 from bridge_theory.errors import InputError
 from experiments.compare.applicability import missing_of_repaired, missing_of_stated
+from experiments.compare.certificates import CHECKER, SOURCE, certified
 from experiments.compare.subject import Subject
 
 Kind = Literal["trivial", "certified", "a-priori", "played", "stated", "stated-sums", "rate"]
@@ -61,21 +62,22 @@ class LeftOut:
 
 def theory_curves(subject: Subject) -> tuple[list[Curve], list[LeftOut]]:
     """All versions of the theory for a run, and those that it does not give."""
-    curves, left_out = [], []
+    curves: list[Curve] = []
+    left_out: list[LeftOut] = []
     for label, make in _versions(subject):
         try:
             curves.append(make(subject, label))
         except InputError as error:
             left_out.append(LeftOut(label, str(error)))
+    if any(curve.kind == "certified" for curve in curves):  # its minimum contains the widths played
+        curves = [curve for curve in curves if curve.kind != "played"]
     return curves, left_out
 
 
 def _versions(subject: Subject) -> list[tuple[str, Callable[[Subject, str], Curve]]]:
-    from experiments.compare.certificates import certified
-
     versions: list[tuple[str, Callable[[Subject, str], Curve]]] = [
         ("trivial, 2BWT", _trivial),
-        ("certified from the data (R4)", certified),
+        ("certified from the data (R4)", _certified),
         (f"a priori, repaired ({'R5' if subject.known else 'R7'})", _apriori),
         ("from the widths played (R4)", _played) if subject.config.confidence == "repaired" else _SUMS[subject.known],
     ]
@@ -86,6 +88,12 @@ def _versions(subject: Subject) -> list[tuple[str, Callable[[Subject, str], Curv
 
 def _trivial(subject: Subject, label: str) -> Curve:
     return _curve(subject, "trivial", label, theory.regret_trivial)
+
+
+def _certified(subject: Subject, label: str) -> Curve:
+    seeds = [int(seed) for seed in subject.results.seed.values]
+    values, failure = certified(subject.certificates, subject.algorithm, seeds)
+    return Curve("certified", label, SOURCE, CHECKER, subject.at_rounds(values), failure)
 
 
 def _apriori(subject: Subject, label: str) -> Curve:

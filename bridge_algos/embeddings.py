@@ -13,7 +13,8 @@ final_state        s_H                                    S             1
 =================  =====================================  ============  ============
 
 and ``state_action_counts``, sum_h e_(s_h, a_h), with d = S A and B = H, in which every expected reward r(s, a) is
-linear, so that the Bradley-Terry model of the theory holds exactly.
+linear, so that the Bradley-Terry model of the theory holds exactly; so it does for the return itself
+(:func:`return_embedding`), with d = 1.
 
 All are linear in the per-step occupancy, so their expectations are computed. A function of the whole trajectory can
 only be sampled; its estimate carries its Monte-Carlo error.
@@ -27,7 +28,7 @@ from math import sqrt
 
 import numpy as np
 
-from bridge_algos.mdp import Dynamics, FloatArray, IntArray
+from bridge_algos.mdp import Dynamics, FloatArray, IntArray, TabularMDP
 from bridge_algos.occupancy import blocks, state_occupancies
 from bridge_algos.shapes import Features, Occupancies, PairTable, PerPolicy, Policies, PolicyStates
 from bridge_algos.trajectories import Trajectories, sample_paths
@@ -72,17 +73,19 @@ def make_embedding(name: str, n_states: int, n_actions: int, horizon: int) -> Em
     states, actions = np.eye(n_states), np.eye(n_actions)
 
     def counts(t: Trajectories) -> FloatArray:
-        return np.asarray(states[t.states].sum(axis=1))
+        return np.ones(t.horizon) @ states[t.states]
 
     def action_totals(per_state: PolicyStates, policies: Policies) -> FloatArray:
-        return np.asarray(np.einsum("ns,nsa->na", per_state, actions[policies]))
+        rows = n_actions * np.arange(len(policies))[:, None]
+        totals = np.bincount((rows + policies).ravel(), per_state.ravel(), len(policies) * n_actions)
+        return np.asarray(totals.reshape(len(policies), n_actions), dtype=np.float64)
 
     def short(occupancy: Occupancies, policies: Policies) -> Features:
         visits = occupancy.sum(axis=1)
         return np.concatenate([visits, action_totals(visits, policies)], axis=1)
 
     def short_of(t: Trajectories) -> FloatArray:
-        return np.concatenate([counts(t), actions[t.actions].sum(axis=1)], axis=1)
+        return np.concatenate([counts(t), np.ones(t.horizon) @ actions[t.actions]], axis=1)
 
     def long(occupancy: Occupancies, policies: Policies) -> Features:
         per_step = np.einsum("nhs,nsa->nha", occupancy, actions[policies])
@@ -155,6 +158,23 @@ def linear_embedding(name: str, weights: FloatArray, bound: float | None = None)
     return Embedding(name, dimension, default if bound is None else bound, expectation, of_trajectories)
 
 
+def return_embedding(mdp: TabularMDP) -> Embedding:
+    r"""The return itself as the only feature, :math:`\phi(\tau) = \sum_h r(s_h, a_h)` with expected rewards r; d = 1.
+
+    B = H max|r|. The smallest embedding in which the Bradley-Terry model of the theory holds exactly.
+
+    Raises:
+        InputError: when every expected reward is zero.
+
+    >>> from bridge_algos.envs.counterexamples import two_actions
+    >>> embedding = return_embedding(two_actions())
+    >>> embedding.dimension, embedding.bound
+    (1, 0.5)
+    """
+    weights = np.broadcast_to(mdp.expected_reward[None, :, :, None], (mdp.horizon, mdp.n_states, mdp.n_actions, 1))
+    return linear_embedding("return", weights, bound=mdp.horizon * float(np.abs(mdp.expected_reward).max()))
+
+
 def expected_features(
     dynamics: Dynamics, policies: Policies, embedding: Embedding, step_costs: PairTable | None = None, steps: int = 0
 ) -> tuple[Features, PerPolicy]:
@@ -176,7 +196,7 @@ def expected_features(
         features[where] = embedding.expectation(occupancy, block)
         if step_costs is not None and steps:
             visits = occupancy[:, :steps].sum(axis=1)
-            costs[where] = np.einsum("ns,ns->n", visits, step_costs[every_state, block])
+            costs[where] = np.vecdot(visits, step_costs[every_state, block])
     return features, costs
 
 

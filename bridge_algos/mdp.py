@@ -46,9 +46,25 @@ class Dynamics:
     def n_actions(self) -> int:
         return int(self.transitions.shape[-2])
 
+    @cached_property
+    def cumulative(self) -> FloatArray:
+        """Running sums of the kernel's rows, which end in exactly 1: what sampling compares uniform numbers with."""
+        return running_sums(self.transitions)
+
+    @cached_property
+    def cumulative_initial(self) -> FloatArray:
+        """The same of the first state's law."""
+        return running_sums(self.initial)
+
     def under(self, transitions: FloatArray) -> Dynamics:
         """The same initial law and horizon with another kernel (for example an estimate)."""
         return Dynamics(transitions, self.initial, self.horizon)
+
+
+def running_sums(probabilities: FloatArray) -> FloatArray:
+    """Cumulative probabilities along the last axis, scaled to end in exactly 1."""
+    cumulative = np.cumsum(probabilities, axis=-1)
+    return np.asarray(cumulative / cumulative[..., -1:])
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bridge_algos.files import atomic_write
-from bridge_algos.mdp import Dynamics, FloatArray, IntArray, TabularMDP
+from bridge_algos.mdp import Dynamics, FloatArray, IntArray, TabularMDP, running_sums
 from bridge_algos.npz import read_arrays
 from bridge_algos.policies import action_probabilities
+from bridge_algos.shapes import Policies
 from bridge_theory.errors import InputError
 
 
@@ -32,6 +33,9 @@ class Trajectories:
 
     def __len__(self) -> int:
         return int(self.states.shape[0])
+
+    def __getitem__(self, part: slice) -> Trajectories:
+        return Trajectories(self.states[part], self.actions[part], None if self.rewards is None else self.rewards[part])
 
     @property
     def horizon(self) -> int:
@@ -79,11 +83,10 @@ def sample_paths(
     horizon = dynamics.horizon
     probabilities = action_probabilities(policy, dynamics.n_states, dynamics.n_actions, horizon)
     deterministic = np.asarray(policy).dtype.kind in "iu"
-    table = probabilities.argmax(axis=2) if deterministic else _cumulative(probabilities)
-    kernel = _cumulative(dynamics.transitions)
-    start = _cumulative(dynamics.initial)
+    table = probabilities.argmax(axis=2) if deterministic else running_sums(probabilities)
+    kernel = dynamics.cumulative
     states, actions, arrivals = (np.empty((n, horizon), dtype=np.int64) for _ in range(3))
-    current = np.searchsorted(start, rng.random(n), side="right")
+    current = np.searchsorted(dynamics.cumulative_initial, rng.random(n), side="right")
     for h in range(horizon):
         states[:, h] = current
         actions[:, h] = table[h, current] if deterministic else _draw(table[h, current], rng)
@@ -92,13 +95,33 @@ def sample_paths(
     return states, actions, arrivals
 
 
-def _cumulative(probabilities: FloatArray) -> FloatArray:
-    cumulative = np.cumsum(probabilities, axis=-1)
-    return np.asarray(cumulative / cumulative[..., -1:])
-
-
 def _draw(cumulative: FloatArray, rng: np.random.Generator) -> IntArray:
-    return np.asarray((cumulative <= rng.random(len(cumulative))[:, None]).sum(axis=1))
+    return np.asarray((cumulative > rng.random(len(cumulative))[:, None]).argmax(axis=1))
+
+
+def sample_each(mdp: TabularMDP, policies: Policies, n: int, rng: np.random.Generator) -> Trajectories:
+    """n trajectories of each of M deterministic stationary policies, as one batch of M n, policy after policy.
+
+    The same trajectories as from M calls of :func:`sample_trajectories` with the same generator, at half the cost in a
+    round of the online loop.
+
+    Args:
+        policies: (M, S) integers, actions in range.
+    """
+    horizon, n_states, n_actions = mdp.horizon, mdp.n_states, mdp.n_actions
+    laws = mdp.dynamics.cumulative.reshape(-1, n_states)
+    chosen = (np.arange(n_states) * n_actions + policies).ravel()
+    rows = n_states * np.arange(len(policies))[:, None]
+    uniform = rng.random((len(policies), horizon + 1, n))
+    pairs = np.empty((horizon, len(policies), n), dtype=np.int64)
+    arrivals = np.empty_like(pairs)
+    current = np.searchsorted(mdp.dynamics.cumulative_initial, uniform[:, 0], side="right")
+    for h in range(horizon):
+        pairs[h] = chosen.take(rows + current)
+        arrivals[h] = current = (laws.take(pairs[h], axis=0) > uniform[:, h + 1, :, None]).argmax(axis=-1)
+    visited, reached = (steps.reshape(horizon, -1).T for steps in (pairs, arrivals))
+    states, actions = np.divmod(visited, n_actions)
+    return Trajectories(states, actions, mdp.realised_rewards(states, actions, reached))
 
 
 def save_trajectories(path: str | Path, trajectories: Trajectories) -> None:

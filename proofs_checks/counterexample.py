@@ -5,7 +5,8 @@ A file ``counterexamples/NAME.json`` has the fields
 - ``label``, ``part``: the claim it breaks; ``sentence``: what breaks, in one sentence; ``kind``: its evaluator;
 - ``data``: the instance; every number a string: ``"9/25"``. Finite MDPs use ``states`` (names), ``initial``
   (a row), ``kernels`` (LaTeX name -> rows ``[s][a][s']``), ``policies`` (LaTeX name -> an action per state, or rows
-  per state) and ``horizon``, so that they can be drawn;
+  per state) and ``horizon``, so that they can be drawn; an instance that one can run names its ``environment``, whose
+  numbers stand in ``bridge_algos/envs/counterexamples.json``, and adds what is its own;
 - ``left``, ``relation``, ``right``: the inequality that the paper claims, each side with its ``latex`` and its
   ``value``: ``"29/125"``, or a rational enclosure ``["0.12", "0.13"]``;
 - ``controls``: nearby instances where the same inequality is *not* violated: a ``name`` and the ``data`` keys that
@@ -98,6 +99,14 @@ def load(name: str) -> Counterexample:
     return parse(name, json.loads(file.read_text(encoding="utf-8")))
 
 
+@cache
+def on_environment(environment: str) -> tuple[Counterexample, ...]:
+    """The stored counterexamples whose instance is the environment of that name."""
+    folder = resources.files("proofs_checks").joinpath("counterexamples")
+    names = sorted(file.name.removesuffix(".json") for file in folder.iterdir() if file.name.endswith(".json"))
+    return tuple(load(name) for name in names if load(name).data.get("environment") == environment)
+
+
 def parse(name: str, record: Mapping[str, Any]) -> Counterexample:
     """Validate one record of the schema above."""
     wanted = {"label", "sentence", "kind", "data", "left", "relation", "right", "controls"}
@@ -111,9 +120,11 @@ def parse(name: str, record: Mapping[str, Any]) -> Counterexample:
         raise InputError(f"counterexample {name}: relation {record['relation']!r} is none of {', '.join(_VIOLATED)}")
     if not record["controls"]:
         raise InputError(f"counterexample {name} has no control: add a nearby instance where the inequality holds")
-    _refuse_floats(name, record["data"])
+    environment = record["data"].get("environment")
+    data = {**(_instance(name, environment) if environment else {}), **record["data"]}
+    _refuse_floats(name, data)
     return Counterexample(
-        name, record["label"], record.get("part", ""), record["sentence"], record["kind"], record["data"],
+        name, record["label"], record.get("part", ""), record["sentence"], record["kind"], data,
         _side(record["left"]), record["relation"], _side(record["right"]),
         tuple(Control(control["name"], control["data"]) for control in record["controls"]),
     )  # fmt: skip
@@ -169,6 +180,16 @@ _VIOLATED: dict[str, Callable[[tuple[Fraction, Fraction], tuple[Fraction, Fracti
 
 def _ends(value: Number) -> tuple[Fraction, Fraction]:
     return value if isinstance(value, tuple) else (value, value)
+
+
+@cache
+def _instance(name: str, environment: str) -> Mapping[str, Any]:
+    # data of another room, none of its code: evaluators share nothing with what they judge
+    text = resources.files("bridge_algos.envs").joinpath("counterexamples.json").read_text(encoding="utf-8")
+    instances: dict[str, dict[str, Any]] = json.loads(text)
+    if environment not in instances:
+        raise InputError(f"counterexample {name}: no environment {environment!r} in {', '.join(instances)}")
+    return instances[environment]
 
 
 def _side(record: Mapping[str, Any]) -> Side:

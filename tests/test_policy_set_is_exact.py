@@ -25,6 +25,7 @@ def test_count_and_enumeration_equal_a_scan_of_all_policies(seed, n_states, n_ac
     inside = policies[ball.contains(policies)]
     listed = ball.enumerate()
     assert ball.count() == len(inside) == len(listed)
+    assert ball.contains(policies[:30]).tolist() == [bool(ball.contains(policy)) for policy in policies[:30]]
     assert keys(listed) == keys(inside)
     assert ball.contains(ball.center)
 

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from bridge_algos.envs.counterexamples import two_actions
 from bridge_algos.envs.families import chain, cliff, garnet
 from bridge_algos.envs.from_gymnasium import mdp_from_gymnasium
 from bridge_algos.envs.gridworld import gridworld
@@ -35,8 +36,8 @@ def make_mdp(name: str, **options: Any) -> TabularMDP:
     >>> make_mdp("frozen-lake")
     Traceback (most recent call last):
     bridge_theory.errors.InputError: there is no environment 'frozen-lake'; did you mean 'frozenlake'? The names are
-    chain, cliff, cliffwalking, frozenlake, frozenlake8x8, garnet, gridworld, gridworld-text, starmdp, starmdp-text,
-    taxi.
+    chain, cliff, cliffwalking, counterexample-known-model, frozenlake, frozenlake8x8, garnet, gridworld,
+    gridworld-text, starmdp, starmdp-text, taxi.
     """
     key = str(name).lower()
     if key not in _MAKERS:
@@ -89,4 +90,5 @@ _MAKERS: dict[str, Callable[..., TabularMDP]] = {
     "frozenlake8x8": _from_gymnasium("FrozenLake8x8-v1"),
     "cliffwalking": _from_gymnasium("CliffWalking-v1"),
     "taxi": _from_gymnasium("Taxi-v4"),
+    "counterexample-known-model": two_actions,
 }

@@ -46,10 +46,20 @@ class PolicySet:
 
     def contains(self, policies: IntArray) -> np.ndarray:
         """Which of the policies (N, S), or whether the one policy (S,), lies in the set; booleans (N,) or ()."""
-        batch = np.atleast_2d(policies)
-        disagree = (batch != self.center).astype(np.float64)
-        inside = disagreement_probability(self.dynamics, self.center, disagree) <= self.radius**2 + ROUNDING_SLACK
+        disagree = np.atleast_2d(policies) != self.center
+        many = len(disagree) >= 2**self.dynamics.n_states
+        inside = self._pattern_inside[_codes(disagree)] if many else self._inside(disagree)
         return inside if policies.ndim == 2 else inside[0]
+
+    def _inside(self, disagree: np.ndarray) -> np.ndarray:
+        hit = disagreement_probability(self.dynamics, self.center, disagree.astype(np.float64))
+        return np.asarray(hit <= self.radius**2 + ROUNDING_SLACK)
+
+    @cached_property
+    def _pattern_inside(self) -> np.ndarray:
+        """Membership by disagreement pattern, (2^S,): among more policies than patterns, each is judged once."""
+        n_states = self.dynamics.n_states
+        return self._inside((np.arange(2**n_states)[:, None] >> np.arange(n_states)) & 1 == 1)
 
     @cached_property
     def cubes(self) -> Cubes:
@@ -109,3 +119,9 @@ class PolicySet:
             )
         ]
         return np.stack(np.meshgrid(*choices, indexing="ij"), axis=-1).reshape(-1, len(choices))
+
+
+def _codes(disagree: np.ndarray) -> IntArray:
+    """Each row of booleans (N, S), S < 64, as the whole number whose bits it is."""
+    octets = np.packbits(disagree, axis=1, bitorder="little").astype(np.int64)
+    return np.asarray((octets << (8 * np.arange(octets.shape[1]))).sum(axis=1))

@@ -6,11 +6,10 @@ observed, and they are what is counted here (audit M4, 3.6).
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
-from bridge_algos.mdp import FloatArray
 from bridge_algos.shapes import Kernel, TransitionCounts
 from bridge_algos.trajectories import Trajectories
 from bridge_theory.errors import InputError
@@ -22,9 +21,14 @@ def transition_counts(trajectories: Trajectories, n_states: int, n_actions: int)
     """N(s, a, s') over the H - 1 transitions of each trajectory, (S, A, S)."""
     trajectories.checked(n_states, n_actions)
     counts = np.zeros((n_states, n_actions, n_states), dtype=np.int64)
+    add_transitions(counts, trajectories)
+    return counts
+
+
+def add_transitions(counts: TransitionCounts, trajectories: Trajectories) -> None:
+    """Add the H - 1 transitions of each trajectory to counts (S, A, S), in place; states and actions are in range."""
     s, a = trajectories.states, trajectories.actions
     np.add.at(counts, (s[:, :-1], a[:, :-1], s[:, 1:]), 1)
-    return counts
 
 
 def estimate_transitions(counts: TransitionCounts, empty_row: EmptyRow = "self_loop") -> Kernel:
@@ -41,11 +45,8 @@ def estimate_transitions(counts: TransitionCounts, empty_row: EmptyRow = "self_l
            [0.  , 1.  ]])
     """
     n_states = counts.shape[0]
-    defaults: dict[str, FloatArray] = {
-        "self_loop": np.eye(n_states)[:, None],
-        "uniform": np.full((1, 1, n_states), 1 / n_states),
-    }
-    if empty_row not in defaults:
+    if empty_row not in get_args(EmptyRow):
         raise InputError(f"empty_row is {empty_row!r}, expected 'self_loop' or 'uniform'.")
+    default = np.eye(n_states)[:, None] if empty_row == "self_loop" else 1 / n_states
     totals = counts.sum(axis=2, keepdims=True)
-    return np.asarray(np.where(totals > 0, counts / np.maximum(totals, 1), defaults[empty_row]))
+    return np.asarray(np.where(totals > 0, counts / np.maximum(totals, 1), default))

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -19,6 +20,7 @@ import numpy as np
 import bridge_theory as theory
 from bridge_algos.mdp import Dynamics, FloatArray, IntArray
 from bridge_algos.occupancy import total_occupancies
+from bridge_algos.online.cholesky import inverse_root, log_det
 from bridge_theory.bound import Bound
 from bridge_theory.errors import InputError
 
@@ -28,13 +30,23 @@ ROUNDING = 1 + 1e-9
 
 @dataclass(frozen=True, eq=False)
 class RoundState:
-    """What a multiplier may depend on at the start of round t."""
+    """What a multiplier may depend on at the start of round t; ``solver_error`` is NaN unless it says it needs it."""
 
     t: int
     matrix: FloatArray
     solver_error: float
     played_visits: list[FloatArray]
     counts_then: list[IntArray]
+
+    @cached_property
+    def inverse_root(self) -> FloatArray:
+        """The inverse Cholesky factor of the data matrix."""
+        return inverse_root(self.matrix)
+
+    @property
+    def log_det(self) -> float:
+        """The logarithm of the data matrix's determinant."""
+        return log_det(self.inverse_root)
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +62,7 @@ class Confidence:
             ones of policies.
         initial_scale: the matrix starts as this multiple of the identity.
         needs_history: whether the multiplier needs the occupancies and counts of the pairs played so far.
+        needs_error: whether it needs the solver's error.
     """
 
     name: str
@@ -60,6 +73,7 @@ class Confidence:
     matrix: Literal["observed", "expected"]
     initial_scale: float
     needs_history: bool = False
+    needs_error: bool = False
 
 
 def fixed(gamma: float, bonus_multiplier: float, n_states: int, n_actions: int, horizon: int, lam: float) -> Confidence:
@@ -76,7 +90,7 @@ def fixed(gamma: float, bonus_multiplier: float, n_states: int, n_actions: int, 
         rooted = np.sqrt(log_pairs / np.maximum(counts, 1))
         return np.asarray(bonus_multiplier * np.where(counts > 0, np.minimum(log_pairs, rooted), log_pairs))
 
-    return Confidence("fixed", lambda _: gamma, step_bonus, horizon, np.inf, "expected", lam)
+    return Confidence("fixed", lambda _: float(gamma), step_bonus, horizon, np.inf, "expected", lam)
 
 
 def stated(
@@ -164,7 +178,7 @@ def repaired(
     scale = kappa * lam
 
     def multiplier(state: RoundState) -> float:
-        log_det_ratio = float(np.linalg.slogdet(state.matrix)[1]) - dimension * np.log(scale)
+        log_det_ratio = state.log_det - dimension * np.log(scale)
         beta = theory.beta_repaired_logdet.estimate(
             B=embedding_bound, W=weight_bound, lam=lam, delta_w=delta_w, log_det_ratio=max(log_det_ratio, 0.0)
         )
@@ -176,7 +190,7 @@ def repaired(
         size = {"S": n_states, "A": n_actions, "delta_P": delta_p}
         return np.asarray(eta * theory.bonus_radius.estimate(N=counts, **size)) * ROUNDING
 
-    return Confidence("repaired", multiplier, step_bonus, horizon - 1, 2 * eta, "observed", scale)
+    return Confidence("repaired", multiplier, step_bonus, horizon - 1, 2 * eta, "observed", scale, needs_error=True)
 
 
 def pair_visits(dynamics: Dynamics, pair: IntArray) -> FloatArray:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -18,13 +18,14 @@ import numpy as np
 from bridge_algos.embeddings import Embedding, SampledEmbedding, expected_features, sampled_features
 from bridge_algos.evaluation import expected_returns, rounding_allowance
 from bridge_algos.mdp import Dynamics, FloatArray, IntArray, TabularMDP
-from bridge_algos.offline.transitions import estimate_transitions, transition_counts
+from bridge_algos.offline.transitions import add_transitions, estimate_transitions
 from bridge_algos.online.confidence import Confidence, RoundState, pair_visits
+from bridge_algos.online.memory import Memory, Rows
 from bridge_algos.online.oracles import Oracle
 from bridge_algos.online.pair_rules import PairRule, choose_pair
-from bridge_algos.online.policy_filter import surviving, whiten
+from bridge_algos.online.policy_filter import first_best, surviving
 from bridge_algos.online.preference_model import fit_adam, fit_exact, project, projection_error
-from bridge_algos.trajectories import Trajectories, sample_trajectories
+from bridge_algos.trajectories import Trajectories, sample_each
 from bridge_theory.errors import InputError
 
 
@@ -63,8 +64,8 @@ class Problem(Protocol):
     ) -> tuple[Dynamics | None, FloatArray, FloatArray]:
         """The dynamics in use, the policies' features (N, d) and their bonuses (N,)."""
 
-    def sample(self, policy: IntArray, n: int, rng: np.random.Generator) -> Any:
-        """n independent trajectories of a policy in the real world."""
+    def sample_pair(self, pair: IntArray, n: int, rng: np.random.Generator) -> tuple[Any, Any]:
+        """n independent trajectories of each of two policies in the real world."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,9 +113,10 @@ class OnlineProblem:
             "be sampled; give the learner a number of rollouts."
         )
 
-    def sample(self, policy: IntArray, n: int, rng: np.random.Generator) -> Trajectories:
+    def sample_pair(self, pair: IntArray, n: int, rng: np.random.Generator) -> tuple[Trajectories, Trajectories]:
         """See :class:`Problem`."""
-        return sample_trajectories(self.mdp, policy, n, rng)
+        both = sample_each(self.mdp, pair, n, rng)
+        return both[:n], both[n:]
 
 
 FITS = ("exact", "adam", "continual")
@@ -163,22 +165,9 @@ class Learner:
             raise InputError(f"policies has shape {self.policies.shape}, expected (N, S) with at least one policy.")
 
 
-@dataclass
-class _Memory:
-    """What the learner has seen: grows by one entry a round."""
-
-    x: FloatArray
-    outcomes: FloatArray
-    counts: IntArray | None
-    matrix: FloatArray
-    observed: FloatArray
-    played_visits: list[FloatArray] = field(default_factory=list)
-    counts_then: list[IntArray] = field(default_factory=list)
-
-
 @dataclass(frozen=True, eq=False)
 class _View:
-    """What the learner makes of its memory at the start of a round."""
+    """What the learner makes of its memory at the start of a round; ``error`` is NaN where nobody asked for it."""
 
     dynamics: Dynamics | None
     features: FloatArray
@@ -229,26 +218,27 @@ def run_online(
     returns, best, searched = problem.standing(learner.policies)
     policies = np.concatenate([learner.policies, problem.optimum[None]])
     memory = _start(problem, learner)
-    view = _look(problem, learner, memory, policies, None, rng)
+    with_error = learner.confidence.needs_error or log is not None
+    view = _look(problem, learner, memory, policies, None, rng, with_error)
     record = {name: np.full(rounds, np.nan) for name in RECORDED}
     for t in range(1, rounds + 1):
         clock = time.perf_counter()
         state = RoundState(t, memory.matrix, view.error, memory.played_visits, memory.counts_then)
         gamma = learner.confidence.multiplier(state)
-        z = whiten(view.features, memory.matrix)
+        z = view.features @ state.inverse_root.T
         scores = view.features @ view.w
         upper, lower = scores + view.bonus, scores - view.bonus
         keeps = surviving(upper, lower[:-1], z, gamma, z[:-1])
         kept, optimum_kept = keeps[:-1], bool(keeps[-1])
         first, second = choose_pair(learner.pair_rule, kept, scores[:-1], z[:-1], gamma, view.bonus[:-1], rng)
         norm, bonuses = float(np.linalg.norm(z[first] - z[second])), view.bonus[first] + view.bonus[second]
-        log_det = float(np.linalg.slogdet(memory.matrix)[1])
+        log_det = state.log_det
         before = view
         asking = not (learner.until_decided and kept.sum() == 1)
         if asking:
             one, two, outcomes = _play(problem, learner, memory, view, (first, second), rng)
-            view = _look(problem, learner, memory, policies, view, rng)
-        greedy = int((view.features[:-1] @ view.w).argmax())
+            view = _look(problem, learner, memory, policies, view, rng, with_error)
+        greedy = first_best(view.features[:-1] @ view.w)
         values = {
             "first": first,
             "second": second,
@@ -288,56 +278,59 @@ def run_online(
     return record
 
 
-def _start(problem: Problem, learner: Learner) -> _Memory:
+def _start(problem: Problem, learner: Learner) -> Memory:
     d = problem.embedding.dimension
     matrix = learner.confidence.initial_scale * np.eye(d)
     counts = None if learner.counts is None else learner.counts.copy()
-    return _Memory(np.empty((0, d)), np.empty(0), counts, matrix, matrix)
+    return Memory(Rows(d), Rows(), counts, matrix, matrix)
 
 
 def _look(
     problem: Problem,
     learner: Learner,
-    memory: _Memory,
+    memory: Memory,
     policies: IntArray,
     previous: _View | None,
     rng: np.random.Generator,
+    with_error: bool,
 ) -> _View:
     """Dynamics, features, bonuses and weights as the data so far have them."""
-    w, error = _fit(learner, memory, previous)
+    w, x = _fit(learner, memory, previous), memory.x.values
+    error = np.nan
+    if with_error:
+        outcomes = memory.outcomes.values
+        error = projection_error(w, x, outcomes, learner.lam, memory.observed) if len(x) else 0.0
     if previous is not None and learner.rollouts is None and memory.counts is None:
         return replace(previous, w=w, error=error)
     dynamics, features, bonus = problem.look(learner, memory.counts, policies, rng)
     return _View(dynamics, features, np.minimum(bonus, learner.confidence.bonus_cap), w, error)
 
 
-def _fit(learner: Learner, memory: _Memory, previous: _View | None) -> tuple[FloatArray, float]:
-    d = memory.x.shape[1]
+def _fit(learner: Learner, memory: Memory, previous: _View | None) -> FloatArray:
+    x, outcomes, d = memory.x.values, memory.outcomes.values, len(memory.matrix)
     continual = learner.fit == "continual"
-    if previous is None or not len(memory.x):
-        return np.full(d, learner.weight_bound / d**0.5 if continual else 0.0), 0.0
+    if previous is None or not len(x):
+        return np.full(d, learner.weight_bound / d**0.5 if continual else 0.0)
     if continual:
-        w = fit_adam(memory.x, memory.outcomes, learner.lam, previous.w, steps=100)
-        return w, projection_error(w, memory.x, memory.outcomes, learner.lam, memory.observed)
+        return fit_adam(x, outcomes, learner.lam, previous.w, steps=100)
     if learner.fit == "adam":
-        estimate = fit_adam(memory.x, memory.outcomes, learner.lam, np.full(d, d**-0.5))
+        estimate = fit_adam(x, outcomes, learner.lam, np.full(d, d**-0.5))
     else:
-        estimate = fit_exact(memory.x, memory.outcomes, learner.lam, previous.w)
-    w = project(estimate, memory.x, learner.lam, memory.observed, learner.weight_bound)
-    return w, projection_error(w, memory.x, memory.outcomes, learner.lam, memory.observed)
+        estimate = fit_exact(x, outcomes, learner.lam, previous.w)
+    return project(estimate, x, learner.lam, memory.observed, learner.weight_bound)
 
 
 def _play(
     problem: Problem,
     learner: Learner,
-    memory: _Memory,
+    memory: Memory,
     view: _View,
     pair: tuple[int, int],
     rng: np.random.Generator,
 ) -> tuple[Any, Any, FloatArray]:
     """Roll the pair out in the real environment, ask, and remember; returns trajectories and answers."""
-    k = learner.comparisons
-    one, two = (problem.sample(learner.policies[i], k, rng) for i in pair)
+    k, played = learner.comparisons, learner.policies[list(pair)]
+    one, two = problem.sample_pair(played, k, rng)
     outcomes = np.asarray(problem.oracle(one, two, rng), dtype=np.float64)
     if outcomes.shape != (k,) or not ((np.isnan(outcomes)) | ((outcomes >= 0) & (outcomes <= 1))).all():
         raise InputError(
@@ -345,17 +338,18 @@ def _play(
         )
     answered = ~np.isnan(outcomes)
     difference = (problem.embedding.of_trajectories(one) - problem.embedding.of_trajectories(two))[answered]
-    memory.x = np.concatenate([memory.x, learner.slope * difference])
-    memory.outcomes = np.concatenate([memory.outcomes, outcomes[answered]])
+    memory.x.append(learner.slope * difference)
+    memory.outcomes.append(outcomes[answered])
     memory.observed = memory.observed + difference.T @ difference
     if learner.confidence.matrix == "observed":
         memory.matrix = memory.observed
     else:
         expected = view.features[pair[0]] - view.features[pair[1]]
-        memory.matrix = memory.matrix + np.outer(expected, expected)
+        memory.matrix = memory.matrix + expected[:, None] * expected
     if memory.counts is not None:
         if learner.confidence.needs_history and view.dynamics is not None:
             memory.counts_then.append(memory.counts.sum(axis=2))
-            memory.played_visits.append(pair_visits(view.dynamics, learner.policies[list(pair)]))
-        memory.counts = memory.counts + sum(transition_counts(t, *memory.counts.shape[:2]) for t in (one, two))
+            memory.played_visits.append(pair_visits(view.dynamics, played))
+        for trajectories in (one, two):
+            add_transitions(memory.counts, trajectories)
     return one, two, outcomes

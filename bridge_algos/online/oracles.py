@@ -12,6 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import expit
 
 from bridge_algos.embeddings import Embedding, SampledEmbedding
 from bridge_algos.mdp import FloatArray
@@ -21,10 +22,8 @@ from bridge_theory.errors import InputError
 Oracle = Callable[[Trajectories, Trajectories, np.random.Generator], FloatArray]
 
 
-def sigmoid(x: FloatArray) -> FloatArray:
-    """1 / (1 + exp(-x)) without overflow."""
-    positive = 1 / (1 + np.exp(-np.abs(x)))
-    return np.where(x >= 0, positive, 1 - positive)
+sigmoid: Callable[[FloatArray], FloatArray] = expit
+"""1 / (1 + exp(-x)) without overflow, accurate in both tails."""
 
 
 @dataclass(frozen=True, eq=False)

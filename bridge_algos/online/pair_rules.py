@@ -6,7 +6,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from bridge_algos.online.policy_filter import widest_pair
+from bridge_algos.online.policy_filter import first_best, widest_pair
 from bridge_algos.shapes import Features, Kept, PerPolicy
 from bridge_theory.errors import InputError
 
@@ -35,13 +35,13 @@ def choose_pair(
     """
     members = np.flatnonzero(kept)
     s, points, b = scores[members], z[members], bonus[members]
-    greedy = int(s.argmax())
+    greedy = first_best(s)
     if rule == "uncertainty_and_bonus":
         first, second = widest_pair(points, gamma, b)
     elif rule == "max_uncertainty":
         first, second = widest_pair(points, 1.0, np.zeros(len(b)))
     elif rule == "ucb":
-        first, second = greedy, int((s + gamma * np.linalg.norm(points - points[greedy], axis=1) + b).argmax())
+        first, second = greedy, first_best(s + gamma * np.linalg.norm(points - points[greedy], axis=1) + b)
     elif rule == "greedy_vs_random":
         others = np.delete(np.arange(len(members)), greedy)
         first, second = greedy, int(rng.choice(others)) if len(others) else greedy

@@ -11,14 +11,20 @@ from __future__ import annotations
 import numpy as np
 
 from bridge_algos.mdp import FloatArray
+from bridge_algos.online.cholesky import inverse_root
 from bridge_algos.shapes import DataMatrix, Features, Kept, PerChallenger, PerPolicy
 
 TILE = 64
+FIRST_TILE = 16
+"""The best few challengers beat most policies that are beaten at all."""
+EPSILON = float(np.finfo(float).eps)
+TIE = 1e-9
+"""Relative difference below which two values count as equal: far above rounding, far below what a run can tell."""
 
 
 def whiten(features: Features, matrix: DataMatrix) -> Features:
     """Rows z with ||z_i - z_j||_2 = ||phi_i - phi_j||_{V^{-1}}."""
-    return np.asarray(features @ np.linalg.inv(np.linalg.cholesky(matrix)).T)
+    return np.asarray(features @ inverse_root(matrix).T)
 
 
 def surviving(
@@ -42,63 +48,72 @@ def surviving(
     """
     others = z if challengers is None else challengers
     order = np.argsort(-lower, kind="stable")
-    upper, lower = upper - upper.mean(), lower - upper.mean()
-    lower = lower - 1e-12 * (1 + max(float(np.abs(upper).max()), float(np.abs(lower).max())))
-    origin = z.mean(axis=0)
-    left, right = _excess_factors(upper, gamma * (z - origin), lower[order], gamma * (others[order] - origin))
-    lower = lower[order]
+    upper, lower = upper - lower[order[0]], lower[order] - lower[order[0]]
+    largest = max(float(upper.max()), float(-upper.min()), float(-lower[-1]))
+    lower -= 1e-12 * (1 + largest)
     kept = np.ones(len(z), dtype=bool)
-    open_ = np.arange(len(z))
-    for start in range(0, len(order), TILE):
-        tile = slice(start, start + TILE)
-        open_ = open_[kept[open_] & (upper[open_] < lower[start])]
-        if not len(open_):
-            break
-        ahead = upper[open_] < lower[tile][-1]
-        excess = left[open_] @ right[tile].T
-        partly = np.flatnonzero(~ahead)
-        excess[partly] = np.where(lower[tile] > upper[open_[partly], None], excess[partly], -1.0)
-        kept[open_[excess.max(axis=1) > 0]] = False
+    open_ = np.flatnonzero(upper < lower[0])
+    if not len(open_):
+        return kept
+    upper, others = upper[open_], others[order]
+    left, right = _excess_factors(upper, gamma * (z[open_] - others[0]), lower, gamma * (others - others[0]), largest)
+    start, size = 0, FIRST_TILE
+    while len(open_) and start < len(order):
+        tile, start, size = slice(start, start + size), start + size, TILE
+        beaten = ((left @ right[tile].T > 0) & (lower[tile] > upper[:, None])).any(axis=1)
+        kept[open_[beaten]] = False
+        if start < len(order):
+            rest = ~beaten & (upper < lower[start])
+            open_, upper, left = open_[rest], upper[rest], left[rest]
     return kept
 
 
 def _excess_factors(
-    upper: FloatArray, a: FloatArray, lower: FloatArray, b: FloatArray
+    upper: FloatArray, a: FloatArray, lower: FloatArray, b: FloatArray, largest: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Matrices whose product is (lower_j - upper_i)^2 - ||a_i - b_j||^2, less an allowance for its rounding."""
-    squares_a, squares_b = (a**2).sum(axis=1), (b**2).sum(axis=1)
-    largest = squares_a.max() + squares_b.max() + (upper**2).max() + (lower**2).max()
-    allowance = 8 * np.finfo(float).eps * (a.shape[1] + 4) * largest
-    left = np.column_stack([2 * a, -2 * upper, np.ones(len(a)), upper**2 - squares_a])
-    right = np.column_stack([b, lower, lower**2 - squares_b - allowance, np.ones(len(b))])
+    """Matrices whose product is (lower_j - upper_i)^2 - ||a_i - b_j||^2, less an allowance for its rounding.
+
+    ``largest`` is that of the absolute values of upper and lower.
+    """
+    d = a.shape[1]
+    squares_a, squares_b = np.vecdot(a, a), np.vecdot(b, b)
+    allowance = 8 * EPSILON * (d + 4) * float(squares_a.max() + squares_b.max() + 3 * largest**2)
+    left, right = np.empty((len(a), d + 3)), np.empty((len(b), d + 3))
+    left[:, :d], left[:, d], left[:, d + 1], left[:, d + 2] = 2 * a, -2 * upper, 1, upper * upper - squares_a
+    right[:, :d], right[:, d], right[:, d + 1], right[:, d + 2] = b, lower, lower * lower - squares_b - allowance, 1
     return left, right
 
 
+def first_best(values: PerPolicy) -> int:
+    """Index of the first value that is the largest to rounding, so that no tie is decided by rounding."""
+    return int((values >= values.max() - TIE * (1 + abs(float(values.max())))).argmax())
+
+
 def widest_pair(z: Features, gamma: float, bonus: PerPolicy) -> tuple[int, int]:
-    r"""The pair maximising :math:`\gamma \|z_i - z_j\| + b_i + b_j` (algo:main line 7), exactly.
+    r"""The pair maximising :math:`\gamma \|z_i - z_j\| + b_i + b_j` (algo:main line 7), to rounding.
 
     A triangle inequality through the mean bounds each pair by u_i + u_j with u = gamma ||z - mean|| + b; tiles of the
-    order by falling u are skipped once that bound cannot beat the best pair found.
+    order by falling u are skipped once that bound cannot beat the best pair found. Values that agree to rounding count
+    as equal, and the first in that order wins.
     """
-    reach = gamma * np.linalg.norm(z - z.mean(axis=0), axis=1) + bonus
-    order = np.argsort(-reach, kind="stable")
-    best, pair = -np.inf, (int(order[0]), int(order[0]))
-    slack = 1e-9 * (1 + float(np.abs(reach).max()))
+    away = z - z.mean(axis=0)
+    squares = np.vecdot(away, away)
+    reach = gamma * np.sqrt(squares) + bonus
+    slack = TIE * (1 + float(reach.max()))
+    order = np.argsort(-np.rint(reach / slack), kind="stable")
+    best, pair = -np.inf, (0, 0)
     for start in range(0, len(order), TILE):
         rows = order[start : start + TILE]
-        if reach[rows[0]] + reach[order[0]] + slack < best:
+        if reach[rows[0]] + reach[order[0]] + 3 * slack < best:
             break
         for other in range(0, start + 1, TILE):
             columns = order[other : other + TILE]
-            if reach[rows[0]] + reach[columns[0]] + slack < best:
+            if reach[rows[0]] + reach[columns[0]] + 3 * slack < best:
                 break
-            values = gamma * _distances(z[rows], z[columns]) + bonus[rows, None] + bonus[columns]
-            i, j = np.unravel_index(int(values.argmax()), values.shape)
-            if values[i, j] > best:
-                best, pair = float(values[i, j]), (int(columns[j]), int(rows[i]))
+            squared = squares[rows, None] + squares[columns] - 2 * (away[rows] @ away[columns].T)
+            values = gamma * np.sqrt(np.maximum(squared, 0)) + bonus[rows, None] + bonus[columns]
+            largest = float(values.max())
+            if largest > best + slack:
+                i, j = divmod(int((values >= largest - slack).argmax()), len(columns))
+                best, pair = largest, (int(columns[j]), int(rows[i]))
     return pair
-
-
-def _distances(a: FloatArray, b: FloatArray) -> FloatArray:
-    squared = (a**2).sum(axis=1)[:, None] + (b**2).sum(axis=1) - 2 * (a @ b.T)
-    return np.asarray(np.sqrt(np.maximum(squared, 0)))

@@ -9,10 +9,9 @@ outside the sum: audit C.1), its gradient :math:`g(w) - \sum_l o_l x_l` with
 from __future__ import annotations
 
 import numpy as np
-import scipy.linalg
-import scipy.optimize
 
 from bridge_algos.mdp import FloatArray
+from bridge_algos.online.cholesky import inverse_root
 from bridge_algos.online.oracles import sigmoid
 from bridge_algos.shapes import Comparisons, DataMatrix, Outcomes, Weights
 from bridge_theory.errors import InputError
@@ -43,10 +42,11 @@ def fit_exact(x: Comparisons, outcomes: Outcomes, lam: float, start: Weights) ->
         gradient = x.T @ (p - outcomes) + lam * w
         if np.abs(gradient).max() <= GRADIENT_TOLERANCE * scale:
             break
-        hessian = (x * (p * (1 - p))[:, None]).T @ x
-        hessian[np.diag_indices(len(w))] += lam
-        step = np.linalg.solve(hessian, gradient)
+        step = np.linalg.solve(_jacobian(p, x, lam), gradient)
         length, descent = 1.0, float(gradient @ step)
+        if descent <= 8 * np.finfo(float).eps * (1 + abs(loss)):  # less than the loss can show: no line search
+            w = w - step
+            break
         while length > 1e-12:
             candidate = w - length * step
             new_loss = _loss(candidate, x, outcomes, lam)
@@ -64,12 +64,15 @@ def fit_adam(
 ) -> Weights:
     """Ten full-batch Adam steps on the mean loss, as the published runs fit w; far from the optimum by design."""
     w = start.astype(np.float64)
+    count = max(len(x), 1)
+    mean, shrinkage = x.T / count, lam / count
+    answered = mean @ outcomes
     first, second = np.zeros_like(w), np.zeros_like(w)
     for k in range(1, steps + 1):
-        gradient = (x.T @ (sigmoid(x @ w) - outcomes) + lam * w) / max(len(x), 1)
-        first = 0.9 * first + 0.1 * gradient
-        second = 0.999 * second + 0.001 * gradient**2
-        w = w - rate * (first / (1 - 0.9**k)) / (np.sqrt(second / (1 - 0.999**k)) + 1e-8)
+        gradient = mean @ sigmoid(x @ w) - answered + shrinkage * w
+        first = 0.9 * first + gradient
+        second = 0.999 * second + gradient * gradient
+        w -= 0.1 * rate / (1 - 0.9**k) * first / (np.sqrt(0.001 / (1 - 0.999**k) * second) + 1e-8)
     return w
 
 
@@ -89,40 +92,46 @@ def project(w: Weights, x: Comparisons, lam: float, matrix: DataMatrix, radius: 
     norm = float(np.linalg.norm(w))
     if norm <= radius:
         return w
-    root = scipy.linalg.cholesky(matrix, lower=True)
+    root = inverse_root(matrix)
     target = _g(w, x, lam)
     v = w * (radius / norm)
-    residual = scipy.linalg.solve_triangular(root, _g(v, x, lam) - target, lower=True)
+    residual = root @ (_g(v, x, lam) - target)
+    left = float(residual @ residual)
     for _ in range(50):
-        p = sigmoid(x @ v)
-        jacobian = (x * (p * (1 - p))[:, None]).T @ x
-        jacobian[np.diag_indices(len(v))] += lam
-        whitened = scipy.linalg.solve_triangular(root, jacobian, lower=True)
-        goal = _least_squares_in_ball(whitened, whitened @ v - residual, radius)
+        whitened = root @ _jacobian(sigmoid(x @ v), x, lam)
+        step = _least_squares_in_ball(whitened, whitened @ v - residual, radius) - v
+        if np.linalg.norm(step) <= 1e-14 * radius:  # stationary: any shorter step is lost in rounding
+            break
         length = 1.0
         while length > 1e-6:
-            candidate = v + length * (goal - v)
-            new = scipy.linalg.solve_triangular(root, _g(candidate, x, lam) - target, lower=True)
-            if new @ new < residual @ residual * (1 - 1e-12):
+            candidate = v + length * step
+            residual = root @ (_g(candidate, x, lam) - target)
+            now = float(residual @ residual)
+            if now < left * (1 - 1e-12):
                 break
             length /= 2
         else:
             break
-        improvement = residual @ residual - new @ new
-        v, residual = candidate, new
-        if improvement <= 1e-14 * (residual @ residual):
+        improvement, v, left = left - now, candidate, now
+        if improvement <= 1e-14 * left:
             break
     return v
 
 
 def projection_error(v: Weights, x: Comparisons, outcomes: Outcomes, lam: float, matrix: DataMatrix) -> float:
     r"""The solver error :math:`e_t(v) = \|g(v) - \sum_l o_l x_l\|_{V^{-1}}` of audit R1 (0 at the exact optimum)."""
-    difference = _g(v, x, lam) - x.T @ outcomes
-    return float(np.sqrt(max(0.0, float(difference @ np.linalg.solve(matrix, difference)))))
+    return float(np.linalg.norm(inverse_root(matrix) @ (_g(v, x, lam) - x.T @ outcomes)))
 
 
 def _g(w: Weights, x: Comparisons, lam: float) -> Weights:
     return np.asarray(x.T @ sigmoid(x @ w) + lam * w)
+
+
+def _jacobian(p: Outcomes, x: Comparisons, lam: float) -> FloatArray:
+    """Derivative of g, where p = sigma(x w)."""
+    result = (x * (p * (1 - p))[:, None]).T @ x
+    result.reshape(-1)[:: x.shape[1] + 1] += lam
+    return np.asarray(result)
 
 
 def _loss(w: Weights, x: Comparisons, outcomes: Outcomes, lam: float) -> float:
@@ -131,14 +140,18 @@ def _loss(w: Weights, x: Comparisons, outcomes: Outcomes, lam: float) -> float:
 
 
 def _least_squares_in_ball(a: FloatArray, b: FloatArray, radius: float) -> FloatArray:
-    """argmin ||a v - b|| over ||v|| <= radius, ``a`` regular, by the secular equation in its singular basis."""
+    r"""argmin ||a v - b|| over ||v|| <= radius, ``a`` regular, by the secular equation in its singular basis.
+
+    :math:`1 / \|v(\mu)\|` is concave and increasing in the multiplier mu, so that Newton's method from zero climbs to
+    the solution without passing it, in a few steps.
+    """
     left, singular, right = np.linalg.svd(a)
-    projected = singular * (left.T @ b)
-
-    def norm(mu: float) -> float:
-        return float(np.linalg.norm(projected / (singular**2 + mu)))
-
-    if norm(0.0) <= radius:
-        return np.asarray(right.T @ (projected / singular**2))
-    mu = scipy.optimize.brentq(lambda m: norm(m) - radius, 0.0, float(np.linalg.norm(projected)) / radius)
-    return np.asarray(right.T @ (projected / (singular**2 + mu)))
+    projected, squares, mu = singular * (left.T @ b), singular**2, 0.0
+    for _ in range(100):
+        shifted = squares + mu
+        coordinates = projected / shifted
+        norm = float(np.linalg.norm(coordinates))
+        if norm <= radius * (1 + 1e-14):
+            break
+        mu += norm**2 / float(coordinates @ (coordinates / shifted)) * (norm / radius - 1)
+    return np.asarray(right.T @ coordinates)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bridge_algos.embeddings import Embedding, make_embedding
+from bridge_algos.embeddings import Embedding, make_embedding, return_embedding
 from bridge_algos.envs.registry import make_mdp
 from bridge_algos.expert.experts import Expert, make_expert
 from bridge_algos.mdp import FloatArray, IntArray, TabularMDP
@@ -56,11 +56,13 @@ def build_world(config: RunConfig) -> World:
     mdp = load_mdp(config.environment) if from_file else make_mdp(config.environment, **config.environment_options)
     demonstrations = _demonstrations(config, mdp)
     expert = make_expert(mdp, config.expert, config.discount, config.solver)
-    embedding = make_embedding(config.embedding, mdp.n_states, mdp.n_actions, mdp.horizon)
+    embedding = _embedding(config.embedding, mdp)
     weight_bound = 1 / embedding.bound if config.weight_bound is None else config.weight_bound
     w_star, scale = None, np.nan
     if config.embedding == "state_action_counts":
         w_star, scale = _utility(mdp, weight_bound)
+    elif config.embedding == "return":
+        w_star, scale = np.array([weight_bound]), weight_bound
     n = config.n_demonstrations if demonstrations is None else len(demonstrations)
     if n * mdp.horizon > MOST_STEPS:
         raise InputError(
@@ -106,7 +108,7 @@ def _demonstrations(config: RunConfig, mdp: TabularMDP) -> Trajectories | None:
 def build_oracle(config: RunConfig, world: World) -> Oracle:
     """The configured teacher."""
     if config.oracle == "returns":
-        return _return_oracle(config.oracle_options)
+        return return_oracle(config.oracle_options)
     if world.w_star is None:
         raise InputError(
             f"the Bradley-Terry oracle needs rewards that are linear in the embedding, but {config.embedding!r} counts "
@@ -115,12 +117,19 @@ def build_oracle(config: RunConfig, world: World) -> Oracle:
     return BradleyTerryOracle(world.embedding, world.w_star)
 
 
-def _return_oracle(options: dict[str, float]) -> ReturnOracle:
+def return_oracle(options: dict[str, float]) -> ReturnOracle:
+    """The teacher that compares returns, with the options of :class:`ReturnOracle`."""
     try:
         return ReturnOracle(**options)
     except TypeError:
         known = ", ".join(ReturnOracle.__dataclass_fields__)
         raise InputError(f"unknown oracle option in {sorted(options)}; expected some of {known}.") from None
+
+
+def _embedding(name: str, mdp: TabularMDP) -> Embedding:
+    if name == "return":
+        return return_embedding(mdp)
+    return make_embedding(name, mdp.n_states, mdp.n_actions, mdp.horizon)
 
 
 def _utility(mdp: TabularMDP, weight_bound: float) -> tuple[FloatArray, float]:

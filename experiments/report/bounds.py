@@ -5,9 +5,9 @@ from __future__ import annotations
 from fractions import Fraction
 from html import escape
 
-from bridge_algos.offline.radius import minimum_visitation
 from bridge_algos.run.config import RunConfig
-from bridge_algos.run.world import World, build_world, caveats
+from bridge_algos.run.setting import theory_setting
+from bridge_algos.run.world import build_world, caveats
 from bridge_theory.catalog import FORMULAS
 from bridge_theory.cli.rows import Row, missing_from, row_for
 from bridge_theory.errors import InputError
@@ -20,53 +20,33 @@ _GROUPS = {"offline": "Offline", "online": "Online", "regret": "Regret, in utili
 _HEADER = ("bound", "value", "trivial value", "says something?", "status")
 
 
-def run_setting(config: RunConfig, world: World) -> Setting:
-    """The parameters of the theory that a run determines; gamma_min is that of its expert under the real dynamics."""
-    mdp = world.mdp
-    n = config.n_demonstrations if world.demonstrations is None else len(world.demonstrations)
-    return Setting(
-        S=mdp.n_states,
-        A=mdp.n_actions,
-        H=mdp.horizon,
-        n=n,
-        T=config.rounds,
-        K=config.comparisons,
-        d=world.embedding.dimension,
-        B=world.embedding.bound,
-        W=world.weight_bound,
-        lam=str(config.lam),
-        delta=str(config.delta),
-        gamma_min=minimum_visitation(mdp.dynamics, world.expert.policy),
-    )
-
-
 def bounds_html(config: RunConfig) -> str:
     """The setting, what of the run takes the guarantees away, and the bounds by group; or why there are none."""
     try:
         world = build_world(config)
     except InputError as error:
         return f"<p>The run's world cannot be built again: {escape(str(error))}</p>"
-    setting = run_setting(config, world)
+    setting = theory_setting(config, world).replace(T=config.rounds)
     given = ", ".join(f"{name} = {_short(name, setting)}" for name in setting)
     rows = [row_for(formula, setting) for formula in FORMULAS.values() if not missing_from(formula, setting)]
     missing = "; ".join(caveats(config, world))
     warning = f'<p class="problem">The bounds assume what this run does not keep: {escape(missing)}.</p>'
-    tables = ""
+    telling = [row for row in rows if row.value is not None and row.value.trivial is not None]
+    says = [row for row in telling if row.value is not None and row.value.vacuous is not True]
+    tables = table_html(_HEADER, map(_cells, says), "bounds") if says else "<p>No bound says anything here.</p>"
     for group, title in _GROUPS.items():
-        members = [row for row in rows if row.formula.group == group]
-        telling = [row for row in members if row.value is not None and row.value.trivial is not None]
-        rest = [row for row in members if row not in telling]
-        says = sum(row.value is not None and row.value.vacuous is False for row in telling)
-        summary = f"{title}: {says} of {len(telling)} bounds say something here"
-        if telling:
-            tables += _folded(summary, telling)
-        if rest:
-            tables += _folded(f"{title}: {len(rest)} parts and rates", rest)
+        members = [row for row in rows if row.formula.group == group and row not in says]
+        empty = [row for row in members if row in telling]
+        rest = [row for row in members if row not in empty]
+        tables += _folded(f"{title}: {len(empty)} bounds that say nothing here", empty)
+        tables += _folded(f"{title}: {len(rest)} parts and rates", rest)
     return f'<p class="quiet">At {escape(given)}.</p>{warning if missing else ""}{tables}'
 
 
 def _folded(summary: str, rows: list[Row]) -> str:
-    inner = table_html(_HEADER, [_cells(row) for row in rows], "bounds")
+    if not rows:
+        return ""
+    inner = table_html(_HEADER, map(_cells, rows), "bounds")
     return f"<details><summary>{escape(summary)}</summary>{inner}</details>"
 
 
@@ -81,7 +61,8 @@ def _cells(row: Row) -> tuple[str, ...]:
         return (name, "undefined", "–", escape(row.problem), formula.status)
     value = row.value
     trivial = "–" if value.trivial is None else f"{value.trivial.middle:.4g}"
-    says = {None: "–", True: '<span class="empty">no</span>', False: '<b class="says">yes</b>'}[value.vacuous]
+    undecided = "–" if value.trivial is None else "not decided"
+    says = {None: undecided, True: '<span class="empty">no</span>', False: '<b class="says">yes</b>'}[value.vacuous]
     return (name, f'<span title="{escape(str(value.enclosure))}">{value.enclosure.middle:.4g}</span>', trivial, says,
             formula.status)  # fmt: skip
 

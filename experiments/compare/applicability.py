@@ -1,0 +1,49 @@
+"""Is a theorem about this run? Which of its assumptions the run does not meet."""
+
+from __future__ import annotations
+
+from bridge_algos.run.config import RADII
+from bridge_algos.run.world import caveats
+from experiments.compare.subject import Subject
+
+
+def missing_of_repaired(subject: Subject) -> tuple[str, ...]:
+    """Assumptions of R4, R5 and R7 that the run does not meet."""
+    config = subject.config
+    found = _of_every_theorem(subject)
+    if config.confidence != "repaired":
+        found.append(f"it is about the repaired sets, this run used the {config.confidence} ones")
+    exact_pairs = ("uncertainty_and_bonus", "max_uncertainty") if subject.known else ("uncertainty_and_bonus",)
+    if config.pair_rule not in exact_pairs:
+        found.append(f"the pair rule {config.pair_rule} does not play the arg-max pair")
+    if config.fit != "exact":
+        found.append("the weights are not at their optimum")
+    return tuple(found)
+
+
+def missing_of_stated(subject: Subject) -> tuple[str, ...]:
+    """Assumptions of the paper's regret theorem and lemmas that the run does not meet."""
+    config = subject.config
+    found = _of_every_theorem(subject)
+    if config.confidence != "stated":
+        found.append(f"it is about the stated sets, this run used the {config.confidence} ones")
+    wanted = "stated-known" if subject.known else "stated"
+    if config.radius != wanted:
+        found.append(f"it is about the offline set of radius {wanted!r}, this run used {config.radius!r}")
+    if config.comparisons != 1:
+        found.append("it is about one comparison a round")
+    if config.fit != "exact":
+        found.append("the weights are not at their optimum")
+    return tuple(found)
+
+
+def _of_every_theorem(subject: Subject) -> list[str]:
+    config, world = subject.config, subject.world
+    found = caveats(config.but(confidence="repaired"), world)  # the confidence sets themselves are judged above
+    if not world.expert.is_maximiser:
+        found.append("the expert is not certified to be the best policy")
+    if config.candidates != "exact" or bool((subject.results.offline_set_count > config.candidate_limit).any()):
+        found.append("only a sample of the offline set was searched")
+    if config.radius not in RADII:
+        found.append("nothing guarantees that an offline set of hand-set radius contains the best policy")
+    return found

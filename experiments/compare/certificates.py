@@ -1,0 +1,59 @@
+"""The certified data-dependent bound of a run: what the independent checker finds in its logs."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+from joblib import Parallel, delayed
+from tqdm import tqdm
+
+from bridge_algos.mdp import FloatArray
+from bridge_algos.run.log_file import load_log, log_files
+from bridge_theory.errors import InputError
+from proofs_checks.verify import Certificate, verify
+
+SOURCE, CHECKER = "audit R4", "proofs_checks.verify"
+
+
+def certificates(directory: Path, jobs: int = 1) -> dict[tuple[str, int], Certificate] | str:
+    """What the checker finds in a run's logs, by algorithm and seed; or the reason why it checks none."""
+    paths = log_files(directory)
+    parallel = Parallel(n_jobs=jobs, return_as="generator", batch_size=1)
+    bar = tqdm(total=len(paths), unit="log", desc="verify", disable=not (sys.stderr.isatty() and paths))
+    found: dict[tuple[str, int], Certificate] = {}
+    with bar:
+        try:
+            for items in parallel(delayed(_verified)(path) for path in paths):
+                found |= {(item.algorithm, item.seed): item for item in items}
+                bar.update()
+        except InputError as error:
+            return str(error)
+    return found
+
+
+def certified(
+    found: dict[tuple[str, int], Certificate] | str, algorithm: str, seeds: list[int]
+) -> tuple[FloatArray, float]:
+    """The least of the bounds of R4, (seeds, T) in units of utility, and their failure probability for one seed.
+
+    Raises:
+        InputError: when a seed has no log, or its log is not certified.
+    """
+    if isinstance(found, str):
+        raise InputError(f"the checker does not take the logs: {found}")
+    missing = [seed for seed in seeds if (algorithm, seed) not in found]
+    if missing:
+        raise InputError(
+            f"{len(missing)} of {len(seeds)} seeds have no log; store logs with 'bridge-rl run ... --log'."
+        )
+    own = [found[algorithm, seed] for seed in seeds]
+    refused = next((item for item in own if not item.certified), None)
+    if refused is not None:
+        raise InputError(f"the log of seed {refused.seed} is not certified: {refused.reasons[0]}")
+    return np.array([item.bounds["best"] for item in own]), max(item.failure for item in own)
+
+
+def _verified(path: Path) -> tuple[Certificate, ...]:
+    return verify(load_log(path))

@@ -1,0 +1,60 @@
+"""What the ledger knows about a statement, and about a run that is one of its counterexamples."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+from bridge_algos.envs.counterexamples import is_counterexample
+from bridge_algos.run.config import preset
+from experiments.compare.subject import Subject
+from proofs_checks.counterexample import evaluator, on_environment, violated
+
+
+@dataclass(frozen=True)
+class Replay:
+    """The ledger's replay of this very run, in exact numbers.
+
+    Args:
+        counterexample: name of the stored counterexample.
+        label: the statement that it refutes.
+        sentence: what breaks, in one sentence.
+        regret: R_T, the same whatever is answered.
+        violated_from: the first round drawn from which on the stated bound is certainly exceeded; None if it never is.
+    """
+
+    counterexample: str
+    label: str
+    sentence: str
+    regret: Fraction
+    violated_from: int | None
+
+
+def exact_replay(subject: Subject) -> Replay | None:
+    """The replay, when the run has the settings of a counterexample about regret and the regret that it proves."""
+    config = subject.config
+    if not is_counterexample(config.environment):
+        return None
+    if config != preset("counterexample", config.environment).but(rounds=config.rounds):
+        return None
+    for example in on_environment(config.environment):
+        if example.data.get("quantity") != "regret":
+            continue
+        rounds = [int(t) for t in subject.rounds]
+        sides = [evaluator(example.kind)({**example.data, "T": str(t)}) for t in rounds]
+        broken = [violated(example.relation, left, right) for left, right in sides]
+        left = sides[-1][0]
+        low, high = left if isinstance(left, tuple) else (left, left)
+        realised = subject.regret[:, -1]
+        if low != high or (abs(realised - float(low)) > 1e-9 * float(low)).any():
+            return None
+        first = next((t for i, t in enumerate(rounds) if all(broken[i:])), None)
+        return Replay(example.name, example.label, example.sentence, low, first)
+    return None
+
+
+def refuted_label(source: str) -> str:
+    """The label under which the ledger holds the statement to be false; "" when it does not."""
+    from proofs_checks.ledger import claims
+
+    return next((claim.label for claim in claims() if claim.label == source and claim.verdict == "false"), "")

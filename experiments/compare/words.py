@@ -1,0 +1,136 @@
+"""A comparison in a table and in sentences."""
+
+from __future__ import annotations
+
+import math
+
+from experiments.compare.comparison import Comparison, Row
+from experiments.compare.theory_curves import Curve
+
+MEANINGS = {
+    "informative": "informative",
+    "vacuous": "vacuous",
+    "violated": "VIOLATED",
+    "below, not certified": "below some runs, not certified",
+    "below, not about this run": "below, but not about this run",
+    "rate": "a rate, no bound",
+}
+
+
+def table(comparison: Comparison) -> str:
+    """One row a version of the theory, after the last round."""
+    last = int(comparison.rounds[-1])
+    rows = [("after T rounds", "value", "value / regret", "holds w.p.", "verdict", "source")]
+    rows.append(
+        ("empirical regret, mean", _number(float(comparison.empirical.mean[-1])), "1", "", _band(comparison), "")
+    )
+    for row in comparison.rows:
+        curve = row.curve
+        verdict = MEANINGS[row.verdict]
+        if curve.missing and row.verdict in ("informative", "vacuous"):
+            verdict += ", not about this run"
+        rows.append((curve.label, _number(row.value), _number(row.ratio), _holds(curve), verdict, curve.source))
+    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
+    right = (False, True, True, True, False, False)
+    lines = [
+        "  ".join(cell.rjust(w) if r else cell.ljust(w) for cell, w, r in zip(row, widths, right, strict=True)).rstrip()
+        for row in rows
+    ]
+    seeds = comparison.empirical.seeds
+    head = f"{comparison.name}: T = {last:,}, {seeds} seed{'s' if seeds > 1 else ''}, units of utility <phi, w*>"
+    return "\n".join([head, *lines])
+
+
+def words(comparison: Comparison) -> str:
+    """What the picture shows, in sentences."""
+    sentences = [_empirical_sentence(comparison)]
+    informative = [row for row in comparison.rows if row.verdict == "informative"]
+    best = min((row for row in informative if not row.curve.missing), key=lambda row: row.value, default=None)
+    if best is None:
+        sentences.append(f"No bound that is about this run is better than the trivial {_number(comparison.trivial)}.")
+    else:
+        sentences.append(
+            f"The best bound that is about this run is '{best.curve.label}' ({best.curve.source}) with "
+            f"{_number(best.value)}, {_number(best.ratio)} times the regret; trivial is {_number(comparison.trivial)}."
+        )
+    sentences += [_row_sentence(comparison, row) for row in comparison.rows if _row_sentence(comparison, row)]
+    sentences += [f"'{item.label}' is left out: {item.reason.rstrip('.')}." for item in comparison.left_out]
+    shown = ", ".join(f"{name} = {value}" for name, value in comparison.setting.items())
+    sentences.append(f"Settings: {shown}; each event of a bound may fail with probability delta.")
+    return " ".join(sentences)
+
+
+def _empirical_sentence(comparison: Comparison) -> str:
+    empirical, last = comparison.empirical, int(comparison.rounds[-1])
+    start = f"After T = {last:,} rounds on {comparison.environment} {comparison.algorithm} has"
+    mean = _number(float(empirical.mean[-1]))
+    if empirical.replay is not None:
+        return (
+            f"{start} the pseudo-regret {mean}. The regret is deterministic, so that there is no band: the ledger's "
+            f"exact replay '{empirical.replay.counterexample}' proves that it is {empirical.replay.regret} whatever is "
+            "answered."
+        )
+    if empirical.lower is None or empirical.upper is None:
+        return f"{start} the pseudo-regret {mean} in the one seed that was run, which says nothing about other seeds."
+    return (
+        f"{start} the mean pseudo-regret {mean} over {empirical.seeds} seeds, 95 % confidence sequence "
+        f"[{_number(float(empirical.lower[-1]))}, {_number(float(empirical.upper[-1]))}] for its expectation: at each "
+        "round it holds for every number of seeds at once, so that seeds may be added after looking; it is not "
+        "simultaneous over rounds. The bounds are about single runs, not about the mean."
+    )
+
+
+def _row_sentence(comparison: Comparison, row: Row) -> str:
+    label, missing = f"'{row.curve.label}' ({row.curve.source})", "; ".join(row.curve.missing)
+    mean = float(comparison.empirical.mean[-1])
+    if row.verdict == "violated":
+        since = f", certified from round {row.violated_from:,} on" if row.violated_from else ""
+        why = (
+            "the run is deterministic"
+            if comparison.empirical.replay is not None
+            else f"{row.exceeded} of {comparison.empirical.seeds} seeds exceed it, hence at least a share "
+            f"{row.chance:.2g} of all runs with 95 % confidence, where {row.curve.failure:.2g} is allowed"
+        )
+        return (
+            f"{label} is violated: regret {_number(mean)} where {_number(row.value)} is claimed, "
+            f"{_number(1 / row.ratio)} times as much ({why}{since}).{_ledger(row)}"
+        )
+    if row.verdict == "below, not about this run":
+        return (
+            f"{label} lies below the regret, {_number(row.value)} < {_number(mean)}, which refutes nothing: "
+            f"{missing}.{_ledger(row)}"
+        )
+    if row.verdict == "below, not certified":
+        return (
+            f"{label} is exceeded by {row.exceeded} of {comparison.empirical.seeds} seeds; its failure probability "
+            f"{row.curve.failure:.2g} allows that, or there are too few seeds to tell.{_ledger(row)}"
+        )
+    note = f"{label} is drawn although it is not about this run: {missing}." if missing else ""
+    if row.curve.kind in ("stated", "stated-sums") and row.ledger:
+        note += f" {label} is not violated here, but false in general.{_ledger(row)}"
+    return note.strip()
+
+
+def _ledger(row: Row) -> str:
+    return f" See the ledger: bridge-rl check --only {row.ledger}." if row.ledger else ""
+
+
+def _holds(curve: Curve) -> str:
+    if curve.failure is None:
+        return ""
+    return "always" if curve.failure == 0 else f">= {max(0.0, 1 - curve.failure):.3g}"
+
+
+def _band(comparison: Comparison) -> str:
+    empirical = comparison.empirical
+    if empirical.replay is not None:
+        return "deterministic"
+    if empirical.lower is None or empirical.upper is None:
+        return "one seed"
+    return f"95 % CS [{_number(float(empirical.lower[-1]))}, {_number(float(empirical.upper[-1]))}]"
+
+
+def _number(value: float) -> str:
+    if not math.isfinite(value):
+        return "-"
+    return f"{value:,.0f}" if abs(value) >= 1000 else f"{value:.4g}" if abs(value) > 1e-9 else "0"

@@ -1,0 +1,27 @@
+"""Confidence intervals of what the studies count."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from bridge_algos.mdp import FloatArray
+
+
+def clopper_pearson(successes: ArrayLike, trials: int, level: float = 0.95) -> tuple[FloatArray, FloatArray]:
+    """Limits of a success probability after independent trials; they enclose it with probability at least ``level``.
+
+    Source: C. Clopper, E. Pearson, "The use of confidence or fiducial limits illustrated in the case of the binomial",
+    Biometrika 26 (1934) 404-413. Args: how many of ``trials`` >= 1 trials succeeded, an array or a number. Returns two
+    arrays of its shape. The limits are floating-point estimates.
+
+    >>> [round(float(limit), 4) for limit in clopper_pearson(0, 100)]
+    [0.0, 0.0362]
+    """
+    from scipy.stats import beta
+
+    k = np.asarray(successes, dtype=np.float64)
+    tail = (1 - level) / 2
+    low = np.where(k > 0, beta.ppf(tail, np.maximum(k, 1), trials - k + 1), 0.0)
+    high = np.where(k < trials, beta.ppf(1 - tail, k + 1, np.maximum(trials - k, 1)), 1.0)
+    return low, high

@@ -108,9 +108,8 @@ def test_command_line(arguments, sentence, capsys):
     assert message.count("\n") == 1
 
 
-def test_an_expert_is_trained_evaluated_and_demonstrates(tmp_path, capsys, monkeypatch):
+def test_an_expert_is_trained_evaluated_and_demonstrates(tmp_path, capsys):
     out = tmp_path / "e.safetensors"
-    monkeypatch.setattr("bridge_algos.continuous.expert_cards.EVALUATION_EPISODES", 10)
     assert main(["expert", "train", "reacher", "--iterations", "1", "--out", str(out), "--threads", "1"]) == 0
     card = json.loads(out.with_suffix(".json").read_text())
     assert card["command"] == f"bridge-rl expert train reacher --iterations 1 --out {out} --threads 1"

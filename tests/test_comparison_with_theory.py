@@ -18,7 +18,7 @@ from bridge_algos.run.store import load_run
 from bridge_algos.run.world import build_world
 from bridge_theory.errors import InputError
 from experiments.cli import main
-from experiments.compare import compare, table, words
+from experiments.compare import compare, figure, table, words
 from experiments.compare import comparison as comparing
 from proofs_checks.counterexample import load, on_environment
 from proofs_checks.verify import verify
@@ -230,6 +230,18 @@ def test_command_writes_table_figure_and_data_and_the_same_again(star, capsys, t
     assert [item["algorithm"] for item in data] == ["bridge-known", "bridge"]
     assert data[0]["versions"][0]["value"] == 24.0
     assert "a priori, repaired (R5)" in capsys.readouterr().out
+
+
+def test_several_runs_stand_side_by_side(star, logged, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["compare", str(star), str(logged)]) == 0
+    data = json.loads((tmp_path / "out" / "compare" / "compare.json").read_text())
+    assert [item["run"] for item in data] == [star.name, star.name, logged.name, logged.name]
+    titles = [axes.get_title() for axes in figure(compare(star) + compare(logged)).axes]
+    assert titles[0].startswith(star.name)
+    assert titles[2].startswith(logged.name)
+    assert figure(compare(star)).axes[0].get_title().startswith("starmdp")
+    capsys.readouterr()
 
 
 def test_an_environment_is_run_first_and_its_seeds_are_kept(tmp_path, capsys):

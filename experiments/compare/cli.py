@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import textwrap
 from pathlib import Path
 
 from bridge_algos.envs.counterexamples import is_counterexample
@@ -30,7 +31,10 @@ def main(argv: list[str]) -> int:
     from experiments.compare.record import record
 
     comparisons = [comparison for directory in directories for comparison in compare(directory, options.jobs)]
-    text = "\n\n".join(f"{table(comparison)}\n\n{words(comparison)}" for comparison in comparisons)
+    text = "\n\n".join(
+        f"{table(found)}\n\n{textwrap.fill(words(found), 120, break_long_words=False, break_on_hyphens=False)}"
+        for found in comparisons
+    )
     print(text)
     atomic_write_text(out / "compare.txt", text + "\n")
     atomic_write_text(out / "compare.json", json.dumps([record(found) for found in comparisons], indent=2) + "\n")

@@ -93,6 +93,7 @@ def _run(options: argparse.Namespace) -> Path:
         options.algorithms = ",".join(COMPARED)
     config = run_cli.configuration(options)
     compared_algorithms(config, build_world(config))  # what cannot be compared is refused before it is run
-    directory = options.out or Path("out") / f"compare-{Path(options.environment).stem}-{options.preset}"
+    own_preset = "" if options.preset == "counterexample" else f"-{options.preset}"
+    directory = options.out or Path("out") / f"compare-{Path(options.environment).stem}{own_preset}"
     run(config, directory, options.seeds, options.jobs, log=True)
     return directory

@@ -48,10 +48,11 @@ def figure(comparisons: Sequence[Comparison]) -> Any:
 
 
 def draw(axes: Any, comparison: Comparison, *, logarithmic: bool) -> None:
-    """All curves of a comparison into one panel."""
+    """All curves of a comparison into one panel; those that are not about the run are drawn "for scale"."""
     empirical, rounds = comparison.empirical, comparison.rounds
     for row in comparison.rows:
-        axes.plot(rounds, row.curve.mean, label=row.curve.label, **LINES[row.curve.kind])
+        label = row.curve.label + (", for scale" if row.curve.missing else "")
+        axes.plot(rounds, row.curve.mean, label=label, **LINES[row.curve.kind])
     axes.plot(rounds, empirical.mean, color=COLOUR, linewidth=2, label=_empirical_label(comparison))
     if empirical.lower is not None and empirical.upper is not None:
         low = np.maximum(empirical.lower, _floor(comparison)) if logarithmic else empirical.lower

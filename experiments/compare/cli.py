@@ -11,6 +11,7 @@ from bridge_algos.envs.counterexamples import is_counterexample
 from bridge_algos.envs.registry import mdp_names
 from bridge_algos.files import atomic_write_text
 from bridge_algos.run import cli as run_cli
+from bridge_algos.run.config import PRESETS
 from bridge_theory.cli.options import Parser
 from bridge_theory.errors import InputError
 from experiments.compare.subject import COMPARED, compared_algorithms
@@ -52,8 +53,13 @@ def _parser() -> argparse.ArgumentParser:
         help=f"directories of stored runs; or an environment, which is run first: one of {', '.join(mdp_names())}, or "
         "an MDP's .npz file, with the options of 'bridge-rl run'",
     )
+    p.add_argument(
+        "--preset", help=f"one of {', '.join(PRESETS)} (default: theory; counterexample for a counterexample)"
+    )
+    p.add_argument("--seeds", type=int, help="number of seeds, 0..SEEDS-1 (default 30; 1 for a counterexample)")
+    p.add_argument("--algorithms", help=f"comma-separated; {' and '.join(COMPARED)} are compared (default both)")
     run_cli.add_options(p)
-    p.set_defaults(preset=None, seeds=None)
+    p.add_argument("--out", type=Path, help="where to write (default: the run; out/compare for several runs)")
     return p
 
 

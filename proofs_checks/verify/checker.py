@@ -17,13 +17,13 @@ from threadpoolctl import threadpool_limits
 
 from bridge_algos.run.log_file import RunLog
 from bridge_theory.arithmetic.flint_balls import ball, ends, working_precision
-from bridge_theory.errors import ComputationError
+from bridge_theory.errors import ComputationError, InputError
 from proofs_checks.verify.certificate import BOUNDS, Certificate
 from proofs_checks.verify.claims import Replay
 from proofs_checks.verify.consistency import ALL, VERSION_SPACE, best_policy_is_searched, contradictions
 from proofs_checks.verify.ellipsoid import certified_scale, data_matrix, radius, solver_error
 from proofs_checks.verify.enclosed import Enclosed, FloatArray, cumulative, enlarged, largest_norms, raised
-from proofs_checks.verify.facts import Facts, add_transitions, facts
+from proofs_checks.verify.facts import Facts, add_transitions, configured_algorithms, facts
 from proofs_checks.verify.features import (
     IntArray,
     estimated_kernel,
@@ -42,6 +42,12 @@ def verify(log: RunLog) -> tuple[Certificate, ...]:
     Raises:
         InputError: when the log is malformed or too large to check.
     """
+    configured = configured_algorithms(log)
+    if not configured or list(log.algorithms) != configured or len(set(configured)) < len(configured):
+        raise InputError(
+            f"the log holds {', '.join(log.algorithms) or 'no algorithm'}, its configuration runs "
+            f"{', '.join(configured) or 'none that can be checked'}; log a run of bridge, bridge-known or pbrl."
+        )
     with threadpool_limits(1):  # small products: threads cost more than they do
         return tuple(check(facts(log, algorithm)) for algorithm in log.algorithms)
 
@@ -194,13 +200,15 @@ def _assumptions(given: Facts) -> tuple[str, ...]:
         VERSION_SPACE: f"the demonstrations come from a best policy, so that it is searched: {VERSION_SPACE}",
         None: "regret is measured against the best of the policies searched; a log cannot show how good that is",
     }
-    general = ("the utility of a policy is <phi, w*> with ||w*|| <= W", comparator[searched])
+    general: tuple[str, ...] = ("the utility of a policy is <phi, w*> with ||w*|| <= W", comparator[searched])
+    if given.known and given.configuration["environment"].endswith(".npz"):
+        general += ("the dynamics in the log are those of its environment's file",)
     if theory_withheld(given):
         return general
     return (
         *general,
         "answers are independent given the trajectories and follow the Bradley-Terry model with w*",
-        "the trajectories come from the real environment, both rollouts of a round drawn independently",
+        "trajectories and demonstrations come from the real environment, both rollouts of a round drawn independently",
     )
 
 

@@ -71,6 +71,7 @@ class Facts:
 
     @property
     def rounds(self) -> int:
+        """T."""
         return len(self.pairs)
 
 
@@ -143,6 +144,14 @@ def facts(log: RunLog, algorithm: str) -> Facts:
             "set_size": _integers(arrays, own + "set_size", ("T",), size, len(policies) + 1),
         },
     )
+
+
+def configured_algorithms(log: RunLog) -> list[str]:
+    """The algorithms that a log's configuration runs, without the clone, which learns nothing."""
+    names = _object(log.header, "configuration").get("algorithms")
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+        raise InputError(f"the log's configuration runs {reprlib.repr(names)}, expected a list of algorithms.")
+    return [name for name in names if name != "bc"]
 
 
 def add_transitions(counts: IntArray, states: IntArray, actions: IntArray) -> None:

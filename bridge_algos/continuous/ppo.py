@@ -13,9 +13,8 @@ training resumes from its last checkpoint and ends with the same policy.
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -26,11 +25,9 @@ from bridge_algos.continuous.moments import Moments
 from bridge_algos.continuous.needs import need
 from bridge_algos.continuous.policies import MlpPolicy
 from bridge_algos.continuous.ppo_gradient import Batch, Networks
+from bridge_algos.continuous.ppo_learner import Learner, load_checkpoint, save_checkpoint
 from bridge_algos.continuous.rollouts import rollout
-from bridge_algos.files import atomic_write
 from bridge_algos.mdp import FloatArray
-from bridge_algos.npz import read_arrays
-from bridge_theory.errors import InputError
 
 _CLIP_OBSERVATIONS = 10.0
 _LEAST_SCALE = 0.01
@@ -79,18 +76,6 @@ PRESETS = {
 }
 
 
-@dataclass
-class _Learner:
-    """All that changes in training: a parameter vector (policy, log std, value) with Adam's moments, and scales."""
-
-    parameters: FloatArray
-    first: FloatArray
-    second: FloatArray
-    steps: int
-    observations: Moments
-    returns: Moments
-
-
 def train(
     environment: Environment,
     settings: PpoSettings,
@@ -114,7 +99,7 @@ def train(
 
     identity = json.dumps({"environment": environment.gymnasium_id, "seed": seed, **asdict(settings)})
     coarse = _with_euler(environment)
-    learner, done = _restored(checkpoint, identity) or (_fresh(environment, settings, seed), 0)
+    learner, done = load_checkpoint(checkpoint, identity) or (_fresh(environment, settings, seed), 0)
     # More BLAS threads do not help networks this small, and might change the last bits.
     with threadpool_limits(1), tqdm(total=settings.iterations, initial=done, unit="iteration") as bar:
         for iteration in range(done, settings.iterations):
@@ -123,7 +108,7 @@ def train(
             bar.set_postfix_str(f"return {score:.2f}")
             bar.update()
             if (iteration + 1) % _CHECKPOINT_EVERY == 0 or iteration + 1 == settings.iterations:
-                _keep(checkpoint, identity, learner, iteration + 1)
+                save_checkpoint(checkpoint, identity, learner, iteration + 1)
     return _policy(environment, settings, learner)
 
 
@@ -136,7 +121,7 @@ def _with_euler(environment: Environment) -> Environment:
 def _iterate(
     environment: Environment,
     settings: PpoSettings,
-    learner: _Learner,
+    learner: Learner,
     seed: int,
     iteration: int,
     threads: int | None,
@@ -168,7 +153,7 @@ def _iterate(
 def _improve(
     networks: Networks,
     settings: PpoSettings,
-    learner: _Learner,
+    learner: Learner,
     batch: Batch,
     rate: float,
     rng: np.random.Generator,
@@ -197,7 +182,7 @@ def _networks(environment: Environment, settings: PpoSettings) -> Networks:
     )
 
 
-def _fresh(environment: Environment, settings: PpoSettings, seed: int) -> _Learner:
+def _fresh(environment: Environment, settings: PpoSettings, seed: int) -> Learner:
     rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(0,)))
     parts = []
     for index, shape in enumerate(_networks(environment, settings).shapes):
@@ -210,16 +195,16 @@ def _fresh(environment: Environment, settings: PpoSettings, seed: int) -> _Learn
             parts.append(np.full(shape, np.log(settings.initial_std) if index == 6 else 0.0))
     vector = np.concatenate([part.ravel() for part in parts])
     zeros = np.zeros_like(vector)
-    return _Learner(vector, zeros, zeros.copy(), 0, Moments.none(environment.observation_size), Moments.none(1))
+    return Learner(vector, zeros, zeros.copy(), 0, Moments.none(environment.observation_size), Moments.none(1))
 
 
-def _policy(environment: Environment, settings: PpoSettings, learner: _Learner) -> MlpPolicy:
+def _policy(environment: Environment, settings: PpoSettings, learner: Learner) -> MlpPolicy:
     networks = _networks(environment, settings)
     layers, log_std, _ = networks.split(learner.parameters)
     moments = learner.observations
     known = moments.count > 0
     return MlpPolicy(
-        weights=tuple(part.copy() for part in layers[0::2]),
+        weights=tuple(part.copy() for part in layers[::2]),
         biases=tuple(part.copy() for part in layers[1::2]),
         std=networks.std(log_std),
         observation_mean=moments.mean.copy() if known else None,
@@ -249,30 +234,3 @@ def _advantages(episodes: Episodes, rewards: FloatArray, values: FloatArray, set
         carried = np.where(running, surprise + settings.discount * settings.trace * np.where(last, 0.0, carried), 0.0)
         advantages[:, h] = carried
     return advantages
-
-
-def _keep(checkpoint: Path, identity: str, learner: _Learner, done: int) -> None:
-    arrays: dict[str, Any] = {"identity": np.array(identity), "done": np.array(done)}
-    for field in fields(_Learner):
-        value = getattr(learner, field.name)
-        if isinstance(value, Moments):
-            arrays |= {f"{field.name}.{part.name}": np.asarray(getattr(value, part.name)) for part in fields(Moments)}
-        else:
-            arrays[field.name] = np.asarray(value)
-    with atomic_write(checkpoint) as handle:
-        np.savez(handle, **arrays)
-
-
-def _restored(checkpoint: Path, identity: str) -> tuple[_Learner, int] | None:
-    if not checkpoint.exists():
-        return None
-    arrays = read_arrays(checkpoint, ("identity", "done", "parameters", "first", "second", "steps"))
-    if str(arrays["identity"]) != identity:
-        raise InputError(f"{checkpoint} is of another training ({arrays['identity']}); move it away to start anew.")
-    observations, returns = (
-        Moments(float(arrays[f"{name}.count"]), arrays[f"{name}.mean"], arrays[f"{name}.squares"])
-        for name in ("observations", "returns")
-    )
-    first, second = arrays["first"], arrays["second"]
-    learner = _Learner(arrays["parameters"], first, second, int(arrays["steps"]), observations, returns)
-    return learner, int(arrays["done"])

@@ -33,7 +33,8 @@ def run(
         log: keep each seed's log for ``bridge-rl verify`` too; a finished seed without one is run again for it.
 
     Returns:
-        All stored seeds as one data set; see :func:`bridge_algos.run.store.load_run`.
+        These seeds as one data set, whatever others the directory holds; see
+        :func:`bridge_algos.run.store.load_run`.
     """
     if seeds < 1:
         raise InputError(f"seeds is {seeds}, expected at least 1.")
@@ -46,7 +47,7 @@ def run(
     missing = [seed for seed in range(seeds) if seed not in finished]
     work = [(config, world, seed, directory, log) for seed in missing]
     for_each(_one, work, jobs, config.environment, "seed", seeds - len(missing), progress)
-    return load_run(directory)
+    return load_run(directory, range(seeds))
 
 
 def _one(config: RunConfig, world: World, seed: int, directory: Path, log: bool) -> None:

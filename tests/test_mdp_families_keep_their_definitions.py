@@ -99,7 +99,7 @@ def test_cliff_slip_is_a_uniform_move():
         (lambda: chain(horizon=True), "horizon is True"),
         (lambda: cliff(n_columns=2), "n_columns is 2, expected a whole number of at least 3."),
         (lambda: cliff(fall=float("nan")), "reward has a value that is not finite"),
-        (lambda: make_mdp("stardmp"), "no environment 'stardmp' (did you mean 'starmdp'?); expected one of chain, cliff,"),
+        (lambda: make_mdp("stardmp"), "no environment 'stardmp' (did you mean 'starmdp'?); expected one of chain,"),
         (lambda: make_mdp("xyzzy"), "no environment 'xyzzy'; expected one of chain,"),
         (lambda: make_mdp("starmdp", n_states=3), "starmdp has no option 'n_states'; its options are horizon."),
         (lambda: make_mdp("starmdp", horizon=0), "horizon is 0"),

@@ -97,6 +97,9 @@ def test_the_page_says_settings_words_bounds_and_verdicts(document: str) -> None
     assert re.search(r"Regret, in utility: \d+ bounds that say nothing here", body)
     assert re.search(r"All \d+ statements", body)
     assert "4 of 4 certified, from 2 of 2 logs" in body
+    assert re.search(r"mean pseudo-regret [\d.]+ over 2 seeds", body)
+    assert '<a href="#ledger-thm:main_simplified">thm:main_simplified</a>' in body  # the rate in the comparison
+    assert "No comparison: " in body  # the published preset's embedding cannot express the reward
 
 
 def test_the_same_directory_gives_the_same_page(directory: Path, document: str) -> None:
@@ -221,6 +224,6 @@ def test_a_browser_draws_the_page_without_an_error(document: str, tmp_path: Path
     )  # fmt: skip
     console = [entry for entry in seen.stderr.splitlines() if "CONSOLE" in entry]
     assert len(console) == 1, console
-    expected = f"report: 2 figures, 0 blank, hover true, toggles true, unfolds true, {width} px, 0 too wide, "
+    expected = f"report: 3 figures, 0 blank, hover true, toggles true, unfolds true, {width} px, 0 too wide, "
     assert f"{expected}scripts undefined" in console[0]
     assert (tmp_path / "page.png").stat().st_size > 10_000

@@ -89,7 +89,7 @@ class ReturnOracle:
         gap = one - two
         coin, flip = rng.random(len(gap)), rng.random(len(gap))
         chance = np.where(gap == 0, 0.5, gap > 0) if np.isinf(self.rationality) else sigmoid(self.rationality * gap)
-        outcome = ((coin < chance) != (flip < self.mistakes)).astype(np.float64)
+        outcome: FloatArray = ((coin < chance) != (flip < self.mistakes)).astype(np.float64)
         if self.equal_within > 0:
             outcome[np.abs(gap) < self.equal_within] = 0.5
         if self.skip_below > -np.inf:

@@ -61,7 +61,8 @@ def _cells(row: Row) -> tuple[str, ...]:
         return (name, "undefined", "–", escape(row.problem), formula.status)
     value = row.value
     trivial = "–" if value.trivial is None else f"{value.trivial.middle:.4g}"
-    says = {None: "not decided", True: '<span class="empty">no</span>', False: '<b class="says">yes</b>'}[value.vacuous]
+    undecided = "–" if value.trivial is None else "not decided"
+    says = {None: undecided, True: '<span class="empty">no</span>', False: '<b class="says">yes</b>'}[value.vacuous]
     return (name, f'<span title="{escape(str(value.enclosure))}">{value.enclosure.middle:.4g}</span>', trivial, says,
             formula.status)  # fmt: skip
 

@@ -17,7 +17,7 @@ def main(argv: list[str]) -> int:
     p.add_argument("--out", type=Path, metavar="FILE", help="where to write the page (default DIRECTORY/report.html)")
     p.add_argument("--verify", type=int, default=3, metavar="N", help="logs of each run to verify (default 3)")
     p.add_argument("--check", choices=("quick", "full"), help="replay the evidence of the paper's statements first")
-    p.add_argument("--jobs", type=int, default=-1, help="processes of the replay (default: all cores)")
+    p.add_argument("--jobs", type=int, default=-1, help="processes (default: all cores); does not change the page")
     options = p.parse_args(argv)
     check_jobs(options.jobs)
     if options.verify < 1:

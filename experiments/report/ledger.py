@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import re
 from collections import Counter
 from functools import cache
 from html import escape
@@ -27,6 +28,20 @@ def row_anchor(source: str) -> str | None:
     from proofs_checks.html.entry import anchor
 
     return f"{ANCHOR}-{anchor(source)}" if source in _labels() else None
+
+
+def link_labels(html: str) -> str:
+    """Lead from every label of the paper in some HTML text to its verdict.
+
+    >>> link_labels("no label: none")
+    'no label: none'
+    """
+
+    def linked(match: re.Match[str]) -> str:
+        target = row_anchor(match.group())
+        return f'<a href="#{target}">{match.group()}</a>' if target else match.group()
+
+    return re.sub(r"\b[a-z]+(?::\w+)+", linked, html)
 
 
 def ledger_html(check: str | None, jobs: int) -> str:

@@ -12,8 +12,9 @@ from typing import Any
 
 from experiments.report.bounds import bounds_html
 from experiments.report.certificate import certificates_html
+from experiments.report.comparison import comparison_html
 from experiments.report.found import Item
-from experiments.report.ledger import ANCHOR, ledger_html
+from experiments.report.ledger import ANCHOR, ledger_html, link_labels
 from experiments.report.pictures import picture_html
 from experiments.report.text import table_html, words_html
 
@@ -23,7 +24,8 @@ def page(items: Sequence[Item], title: str, *, verify: int = 3, check: str | Non
 
     Args:
         verify: how many logs of each run to verify.
-        check, jobs: see :func:`experiments.report.ledger.ledger_html`.
+        check: replay the ledger first; see :func:`experiments.report.ledger.ledger_html`.
+        jobs: processes.
 
     Its content security policy allows the two scripts that it contains, by their digests, and no connection at all;
     texts that come from files are escaped.
@@ -35,7 +37,7 @@ def page(items: Sequence[Item], title: str, *, verify: int = 3, check: str | Non
         "img-src data: blob:; base-uri 'none'; form-action 'none'"
     )
     style = _resource("proofs_checks.html", "style.css") + _resource("experiments.report", "report.css")
-    sections = "".join(_section(number, item, verify) for number, item in enumerate(items))
+    sections = "".join(_section(number, item, verify, jobs) for number, item in enumerate(items))
     links = "".join(f'<li><a href="#{_anchor(n)}">{escape(item.title)}</a></li>' for n, item in enumerate(items))
     return (
         '<!DOCTYPE html><html lang="en"><head><meta charset="utf-8">'
@@ -50,7 +52,7 @@ def page(items: Sequence[Item], title: str, *, verify: int = 3, check: str | Non
     )
 
 
-def _section(number: int, item: Item, verify: int) -> str:
+def _section(number: int, item: Item, verify: int, jobs: int) -> str:
     pictures = "".join(
         picture_html(picture, f"{item.title}{f', {suffix}' if suffix else ''}")
         for suffix, picture in item.figures.items()
@@ -58,12 +60,13 @@ def _section(number: int, item: Item, verify: int) -> str:
     parts = [
         f'<section id="{_anchor(number)}"><h2>{escape(item.title)}</h2>',
         f'<p class="quiet">From <code>{escape(item.name)}</code>.</p>{pictures}',
-        f"<h3>In words</h3>{words_html(item.words)}",
+        f"<h3>In words</h3>{link_labels(words_html(item.words))}",
         f"<details><summary>Settings</summary>{_settings(item)}</details>",
     ]
     if item.configuration is not None:
         parts += [
             f"<h3>What the theory says here</h3>{bounds_html(item.configuration)}",
+            f"<h3>Regret beside the theory</h3>{comparison_html(item.directory, item.title, jobs)}",
             f"<h3>Certificate</h3>{certificates_html(item.directory, item.data, verify)}",
         ]
     return "".join([*parts, "</section>"])
@@ -71,8 +74,14 @@ def _section(number: int, item: Item, verify: int) -> str:
 
 def _settings(item: Item) -> str:
     rows = [(escape(name), f"<code>{escape(value)}</code>") for name, value in _flat(item.settings)]
-    versions = f'<p class="quiet">Made with {escape(item.versions)}.</p>'
-    return table_html((), rows, "settings") + versions
+    return table_html((), rows, "settings") + f'<p class="quiet">Made with {escape(_versions(item.versions))}.</p>'
+
+
+def _versions(recorded: str) -> str:
+    try:
+        return ", ".join(f"{package} {version}" for package, version in json.loads(recorded).items())
+    except (ValueError, AttributeError):  # a text, where they differ
+        return recorded
 
 
 def _flat(settings: dict[str, Any], prefix: str = "") -> list[tuple[str, str]]:

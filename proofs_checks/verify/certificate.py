@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -47,7 +48,8 @@ class Certificate:
     @property
     def failure(self) -> float:
         """Total failure probability of the events used, rounded up."""
-        return float(np.nextafter(sum(self.spent.values()), 1.0)) if self.spent else 0.0
+        total = sum(map(Fraction, self.spent.values()), start=Fraction(0))
+        return float(total) if Fraction(float(total)) >= total else float(np.nextafter(float(total), 2.0))
 
     def words(self) -> str:
         """A small table and the verdict."""

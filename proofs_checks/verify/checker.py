@@ -91,6 +91,10 @@ class _Walk:
             if learns:
                 possible = view.possible()
                 ever &= possible
+                if not ever.any():
+                    raise ComputationError(
+                        f"round {t}: no policy is in every set so far, so that the certificate's events have failed"
+                    )
                 if t > 1:
                     self.hindsight[t - 2] = hindsight(view, ever, plays, self.highest_weight)
             if t > given.rounds:
@@ -205,7 +209,7 @@ def _certificate(given: Facts, reasons: list[str], walk: _Walk | None) -> Certif
     nothing = {name: np.full(rounds, np.inf) for name in BOUNDS}
     spent: dict[str, float] = {}
     if certified and not theory_withheld(given):
-        delta = float(np.nextafter(float(given.delta), 1.0))
+        delta = float(given.delta)
         spent = {"weights": delta} if given.known else {"weights": delta, "transitions": delta}
     return Certificate(
         algorithm=given.algorithm,

@@ -163,7 +163,8 @@ def test_every_artist_has_its_counterpart() -> None:
     assert first["layout"]["annotations"][0]["text"] == "here &lt; there"
     assert first["layout"]["annotations"][0]["x"] == 1
     cells = second["data"][0]
-    assert cells["z"] == [[0, 1], [2, None]]
+    assert cells["z"] == [[0, 0.5], [1, None]]  # as the colours are scaled
+    assert cells["colorbar"]["tickvals"] == [0, 0.5, 1]
     assert cells["customdata"] == [[1, 10], [100, None]]
     assert cells["colorbar"]["title"]["text"] == "regret"
 

@@ -56,6 +56,8 @@ def _panel(axes: Any) -> Spec:
     for artist in axes.get_children():
         if id(artist) in done | frame or not artist.get_visible() or artist is axes.get_legend():
             continue
+        if isinstance(artist, LineCollection | PolyCollection) and not artist.get_paths():
+            continue  # a band of a single run, for example, is empty
         if isinstance(artist, Line2D):
             data.append(_line(axes, artist))
         elif isinstance(artist, PathCollection):
@@ -72,7 +74,8 @@ def _panel(axes: Any) -> Spec:
             notes += [_note(axes, artist)] if artist.get_text() else []
         else:
             raise InputError(f"a figure with a {type(artist).__name__} has no interactive form")
-    return {"title": markup(axes.get_title()), "data": data, "layout": _layout(axes, data, notes)}
+    title = next(filter(None, map(axes.get_title, ("center", "left", "right"))), "")
+    return {"title": markup(title), "data": data, "layout": _layout(axes, data, notes)}
 
 
 def _layout(axes: Any, data: list[Spec], notes: list[Spec]) -> Spec:
@@ -291,7 +294,6 @@ def _rectangle(axes: Any, patch: Any) -> Spec:
 
 def _cells(axes: Any, mesh: Any) -> Spec:
     from matplotlib.collections import QuadMesh
-    from matplotlib.colors import LogNorm, Normalize
 
     values: Any = np.ma.filled(np.ma.asarray(mesh.get_array(), dtype=float), np.nan)
     x: Any
@@ -307,31 +309,28 @@ def _cells(axes: Any, mesh: Any) -> Spec:
             bottom, top = top, bottom
         x = np.linspace(left, right, values.shape[1] + 1)
         y = np.linspace(bottom, top, values.shape[0] + 1)
-    if values.ndim != 2 or type(mesh.norm) not in (Normalize, LogNorm):
-        raise InputError("a figure with coloured cells of this kind has no interactive form")
-    logarithmic = isinstance(mesh.norm, LogNorm)
-    scaled = np.log10(values) if logarithmic else values
-    ends = np.log10([mesh.norm.vmin, mesh.norm.vmax]) if logarithmic else np.array([mesh.norm.vmin, mesh.norm.vmax])
+    if values.ndim != 2:
+        raise InputError("a figure with cells that are coloured by hand has no interactive form")
     bar = mesh.colorbar
     spec: Spec = {
         "type": "heatmap",
         "x": x.tolist(),
         "y": y.tolist(),
-        "z": [_numbers(row) for row in scaled],
+        "z": [_numbers(row) for row in np.ma.filled(mesh.norm(values).astype(float), np.nan)],
         "customdata": [_numbers(row) for row in values],
-        "zmin": float(ends[0]),
-        "zmax": float(ends[1]),
+        "zmin": 0,
+        "zmax": 1,
         "colorscale": [[float(p), _colour(mesh.cmap(p))] for p in np.linspace(0, 1, 33)],
         "showscale": bar is not None,
         "meta": {"group": ""},
         "hovertemplate": "%{customdata:.4g}<extra></extra>",
     }
     if bar is not None:
-        ticks = [t for t in bar.ax.yaxis.get_major_ticks() if mesh.norm.vmin <= t.get_loc() <= mesh.norm.vmax]
-        places = [float(np.log10(t.get_loc()) if logarithmic else t.get_loc()) for t in ticks]
+        axis = bar.ax.yaxis if bar.orientation == "vertical" else bar.ax.xaxis
+        ticks = [t for t in axis.get_major_ticks() if mesh.norm.vmin <= t.get_loc() <= mesh.norm.vmax]
         spec["colorbar"] = {
-            "title": {"text": markup(bar.ax.get_ylabel() or bar.ax.get_xlabel()), "side": "right"},
-            "tickvals": places,
+            "title": {"text": markup(axis.get_label_text()), "side": "right"},
+            "tickvals": [float(mesh.norm(t.get_loc())) for t in ticks],
             "ticktext": [markup(t.label1.get_text() or t.label2.get_text()) for t in ticks],
             "thickness": 14,
         }

@@ -7,6 +7,7 @@ out: the caller then shows the picture itself.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -74,8 +75,7 @@ def _panel(axes: Any) -> Spec:
             notes += [_note(axes, artist)] if artist.get_text() else []
         else:
             raise InputError(f"a figure with a {type(artist).__name__} has no interactive form")
-    title = next(filter(None, map(axes.get_title, ("center", "left", "right"))), "")
-    return {"title": markup(title), "data": data, "layout": _layout(axes, data, notes)}
+    return {"title": markup(_inherited(axes, _title, "colspan")), "data": data, "layout": _layout(axes, data, notes)}
 
 
 def _layout(axes: Any, data: list[Spec], notes: list[Spec]) -> Spec:
@@ -85,21 +85,21 @@ def _layout(axes: Any, data: list[Spec], notes: list[Spec]) -> Spec:
     same = {tuple(trace["x"]) for trace in data if trace["type"] == "scatter" and trace.get("hoverinfo") != "skip"}
     grid = any(trace["type"] == "heatmap" for trace in data)
     return {
-        "xaxis": _axis(axes.xaxis, axes.get_xlim(), grid),
-        "yaxis": _axis(axes.yaxis, axes.get_ylim(), grid),
+        "xaxis": _axis(axes.xaxis, axes.get_xlim(), _inherited(axes, type(axes).get_xlabel, "colspan"), grid),
+        "yaxis": _axis(axes.yaxis, axes.get_ylim(), _inherited(axes, type(axes).get_ylabel, "rowspan"), grid),
         "annotations": notes,
         "hovermode": "x unified" if len(same) == 1 else "closest",
         "barmode": "overlay",
     }
 
 
-def _axis(axis: Any, limits: tuple[float, float], grid: bool) -> Spec:
+def _axis(axis: Any, limits: tuple[float, float], label: str, grid: bool) -> Spec:
     from matplotlib.ticker import FixedFormatter, FuncFormatter
 
     straight = axis.get_scale() not in ("linear", "log")
     place = axis.get_transform().transform if straight or axis.get_scale() == "log" else np.asarray
     spec: Spec = {
-        "title": {"text": markup(_label(axis))},
+        "title": {"text": markup(label)},
         "type": "log" if axis.get_scale() == "log" else "linear",
         "range": place(np.asarray(limits)).tolist(),
         "showgrid": not grid,
@@ -115,13 +115,18 @@ def _axis(axis: Any, limits: tuple[float, float], grid: bool) -> Spec:
     return spec
 
 
-def _label(axis: Any) -> str:
-    """Panels that share an axis show its label once; apart from each other, each needs it."""
-    if axis.get_label_text():
-        return str(axis.get_label_text())
-    shared = axis.axes.get_shared_x_axes() if axis.axis_name == "x" else axis.axes.get_shared_y_axes()
-    labels = [getattr(other, f"{axis.axis_name}axis").get_label_text() for other in shared.get_siblings(axis.axes)]
-    return next(filter(None, labels), "")
+def _inherited(axes: Any, read: Callable[[Any], str], along: str) -> str:
+    """A text that a grid of panels shows once a column or row; apart from each other, each panel needs it."""
+    own, place = read(axes), axes.get_subplotspec()
+    if own or place is None:
+        return own
+    beside = [other for other in axes.figure.axes if (spec := other.get_subplotspec()) is not None
+              and getattr(spec, along) == getattr(place, along)]  # fmt: skip
+    return next(filter(None, map(read, beside)), "")
+
+
+def _title(axes: Any) -> str:
+    return next(filter(None, map(axes.get_title, ("center", "left", "right"))), "")
 
 
 def _straighten(data: list[Spec], notes: list[Spec], name: str, axis: Any) -> None:
@@ -326,10 +331,10 @@ def _cells(axes: Any, mesh: Any) -> Spec:
         "hovertemplate": "%{customdata:.4g}<extra></extra>",
     }
     if bar is not None:
+        spec["meta"]["colour"] = markup(bar.ax.get_ylabel() or bar.ax.get_xlabel())
         axis = bar.ax.yaxis if bar.orientation == "vertical" else bar.ax.xaxis
         ticks = [t for t in axis.get_major_ticks() if mesh.norm.vmin <= t.get_loc() <= mesh.norm.vmax]
         spec["colorbar"] = {
-            "title": {"text": markup(axis.get_label_text()), "side": "right"},
             "tickvals": [float(mesh.norm(t.get_loc())) for t in ticks],
             "ticktext": [markup(t.label1.get_text() or t.label2.get_text()) for t in ticks],
             "thickness": 14,
@@ -364,7 +369,7 @@ def _note(axes: Any, text: Any) -> Spec:
         ),
         "showarrow": False,
         "textangle": -text.get_rotation(),
-        "font": {"color": _colour(text.get_color(), text.get_alpha()), "size": 1.35 * text.get_fontsize()},
+        "font": {"color": _colour(text.get_color(), text.get_alpha()), "size": max(11, 1.35 * text.get_fontsize())},
     }
 
 

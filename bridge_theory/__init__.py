@@ -160,7 +160,14 @@ from bridge_theory.regret.rates import (
     term_2_rate,
     term_3_rate,
 )
-from bridge_theory.regret.trivial import regret_diameter, regret_hindsight, regret_offline, regret_trivial, regret_width
+from bridge_theory.regret.trivial import (
+    regret_diameter,
+    regret_hindsight,
+    regret_offline,
+    regret_optimism,
+    regret_trivial,
+    regret_width,
+)
 from bridge_theory.regret.unknown import gamma_true_bonus, regret_unknown_squared, regret_unknown_stated
 from bridge_theory.regret.unknown_repaired import (
     radius_sum,
@@ -286,6 +293,7 @@ __all__ = [
     "regret_known_stated",
     "regret_known_version_space",
     "regret_offline",
+    "regret_optimism",
     "regret_regime_large_horizon",
     "regret_regime_small_horizon",
     "regret_regime_transition",

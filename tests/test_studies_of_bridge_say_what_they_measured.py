@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 from scipy.stats import binom
 
-from bridge_algos.hellinger import squared_hellinger
+from bridge_algos.hellinger import disagreement_probability, squared_hellinger
 from bridge_algos.run.config import preset
 from bridge_algos.run.offline import offline_stage
 from bridge_algos.run.seed import run_seed
@@ -50,7 +50,7 @@ def test_numbers_do_not_depend_on_jobs(study, settings, tmp_path: Path) -> None:
     assert one.identical(study.compute(settings, tmp_path / "1", 1))
 
 
-@pytest.mark.parametrize("name", ["demonstrations-starmdp", "sensitivity-garnet", "needed-radius"])
+@pytest.mark.parametrize("name", ["demonstrations-starmdp", "sensitivity-starmdp", "needed-radius"])
 def test_quick_versions_write_figures_and_name_every_algorithm(name: str, tmp_path: Path) -> None:
     described = reproduce.configuration(name, quick=True)
     text = reproduce.reproduce(name, described, tmp_path, 1)
@@ -120,7 +120,11 @@ def test_needed_radii_enclose_the_distance_and_are_certified_without_noise(tmp_p
             stage = offline_stage(config, world, seed)
             squared = squared_hellinger(stage.estimate, world.expert.policy, stage.estimate, stage.clone)
             assert float(data.needed[cell, seed]) == pytest.approx(np.sqrt(max(squared, 0)), abs=1e-7)
-    assert bool((data.needed_lucky.isel(cell=0) == 0).all())
+            if data.noise[cell] == 0:
+                unvisited = (stage.pairs.sum(axis=1) == 0).astype(np.float64)[None]
+                certificate = np.sqrt(disagreement_probability(stage.estimate, stage.clone, unvisited)[0])
+                assert float(data.needed_unlucky[cell, seed]) == pytest.approx(certificate, abs=1e-7)
+                assert data.needed_lucky[cell, seed] == 0
 
 
 def test_clopper_pearson_has_its_coverage() -> None:

@@ -32,9 +32,9 @@ def data_dependent_radius(counts: StepCounts, estimate: Dynamics, clone: Policy,
     probability at least :math:`1-\delta`.
 
     Source: audit T9 (angle) with :math:`R_1` from T7(c), the number of states without data, and :math:`R_2` from T10
-    and T3: the KL budget of the counts times the largest ratio of expected to observed uses of a pair, and the
-    estimated chance of meeting a pair that has no data, both computed by following the clone until it meets one. Each
-    takes :math:`\delta/2`. Assumptions: deterministic stationary expert, no noise, stationary kernel. Returns a
+    and T3 with exits: the KL budget of the counts times the largest ratio of expected to observed uses of a pair, and
+    the estimated chance of meeting a pair that has no data, both computed by following the clone until it meets one.
+    Each takes :math:`\delta/2`. Assumptions: deterministic stationary expert, no noise, stationary kernel. Returns a
     Hellinger distance in [0, 1], an estimate to rounding; 1 says nothing.
     """
     n_states = estimate.n_states
@@ -43,12 +43,17 @@ def data_dependent_radius(counts: StepCounts, estimate: Dynamics, clone: Policy,
     policy_error = theory.missing_mass_observed.estimate(S=n_states, n=n, unvisited=unvisited, delta=delta / 2)
     return float(
         theory.confidence_set_radius_angle.estimate(
-            R1=policy_error, R2=_transition_error(counts, estimate, clone, delta / 2)
+            R1=policy_error, R2=transition_error_from_counts(counts, estimate, clone, delta / 2)
         )
     )
 
 
-def _transition_error(counts: StepCounts, estimate: Dynamics, clone: Policy, delta: float) -> float:
+def transition_error_from_counts(counts: StepCounts, estimate: Dynamics, clone: Policy, delta: float) -> float:
+    r"""Statement: :math:`H^2(\hat P^{\pi^*},P_*^{\pi^*})\le R_2` with probability at least :math:`1-\delta`.
+
+    Source and assumptions: as for :func:`data_dependent_radius`. Returns a squared Hellinger distance in [0, 1], an
+    estimate to rounding.
+    """
     used = counts.pooled.sum(axis=2)
     uses = used[np.arange(estimate.n_states), clone]
     expected, leaving = _uses_before_leaving(estimate, clone, uses > 0)

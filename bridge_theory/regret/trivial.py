@@ -125,6 +125,41 @@ def regret_width(m: Arithmetic, *, width_sum: Value, bonus_sum: Value) -> Value:
 
 
 @bound(
+    title="loss against one candidate best policy in one round",
+    symbol=r"U_t(\pi,\pi')",
+    source="audit R4(ii)",
+    group="regret",
+    status="repaired",
+    words="if this candidate is the best policy, playing the other loses at most {value}",
+    assumptions=("the true weights are in the round's ellipsoid",),
+    monotone={
+        "optimism": rises("it is one of two candidates for the minimum"),
+        "W": rises("it multiplies"),
+        "norm": rises("it multiplies"),
+        "bonus_sum": rises("it is added"),
+    },
+)
+def regret_optimism(m: Arithmetic, *, W: Value, optimism: Value, norm: Value, bonus_sum: Value) -> Value:
+    r"""Statement: :math:`\langle\phi(\pi)-\phi(\pi'),w^*\rangle\le U_t(\pi,\pi')`, with
+    :math:`\Delta=\hat\phi_t(\pi)-\hat\phi_t(\pi')`,
+
+    .. math:: U_t(\pi,\pi')=\min\{\langle\Delta,w_t\rangle+\rho_t\|\Delta\|_{V_t^{-1}},W\|\Delta\|_2\}
+       +\bigl(b_t(\pi)+b_t(\pi')\bigr)1\{\pi\ne\pi'\}.
+
+    Source: audit R4(ii): :math:`R_T\le B_{ucb}=\tfrac12\sum_{t,i}\max_{\pi\in\Pi_t}U_t(\pi,\pi_t^i)`; the caller takes
+    the maximum over candidates and the sum (correction 2). Assumptions: the ellipsoid of R1, the event of R6 with
+    unknown dynamics; containment in :math:`\Pi_t` for the sum. Arguments: ``W`` > 0, ``optimism`` the first argument
+    of the minimum, >= 0 for the maximising candidate, ``norm`` = :math:`\|\Delta\|_2`, ``bonus_sum`` =
+    :math:`b_t(\pi)+b_t(\pi')` (0 for known dynamics or equal policies), both >= 0. Returns a utility. Errors:
+    ``InputError``.
+
+    >>> float(regret_optimism.estimate(W=0.5, optimism=10, norm=12, bonus_sum=3))
+    9.0
+    """
+    return m.min(optimism, W * norm) + bonus_sum
+
+
+@bound(
     title="regret bound in hindsight, for one candidate best policy",
     symbol=r"B_{\mathrm{hind}}(\pi)",
     source="audit R4(iii)",

@@ -164,7 +164,11 @@ def _coverage(data: xr.Dataset) -> str:
     if not rows:
         return f"Coverage: the expert is in the ball {always} in every cell under every rule."
     table = text_table(("radius", "noise", "n", "expert inside (Clopper-Pearson 95 %)"), rows)
-    return f"Coverage of the expert, where it was missed at all; in every other cell it is inside {always}:\n{table}"
+    return (
+        f"Coverage of the expert, where it was missed at all; in every other cell it is inside {always}:\n{table}\n"
+        "No theorem promises it under noise, for the recorded actions are then not the expert's; the radii near zero, "
+        "which trust every record, are the ones that lose it."
+    )
 
 
 def _agreement(data: xr.Dataset) -> str:

@@ -41,6 +41,7 @@ _MEASURES = {
     "pair_regret": "cumulative regret of the pairs played",
 }
 _SHARE = 0.05
+_PALEST = 0.1
 
 
 def compute(settings: dict[str, Any], directory: Path, jobs: int) -> xr.Dataset:
@@ -118,7 +119,7 @@ def figures(data: xr.Dataset) -> dict[str, Any]:
 
 
 def _heat_maps(data: xr.Dataset) -> Any:
-    from matplotlib.colors import PowerNorm
+    from matplotlib.colors import LogNorm
     from matplotlib.figure import Figure
 
     settings = json.loads(data.attrs["settings"])
@@ -126,12 +127,12 @@ def _heat_maps(data: xr.Dataset) -> Any:
     algorithms = [str(name) for name in data.algorithm.values]
     picture = Figure(figsize=(4.2, 1.5 * len(algorithms) + 0.9), layout="constrained")
     panels = picture.subplots(len(algorithms), 1, sharex=True, squeeze=False)[:, 0]
-    norm = PowerNorm(0.5, vmin=0, vmax=float(shown.max()))
+    norm = LogNorm(_PALEST, max(10 * _PALEST, float(shown.max())))
     for axes, name in zip(panels, algorithms, strict=True):
         values = shown.sel(algorithm=name).transpose("n", "round").values
-        image = axes.imshow(values, norm=norm, cmap="cividis_r", origin="lower", aspect="auto")
+        image = axes.imshow(np.maximum(values, _PALEST), norm=norm, cmap="cividis_r", origin="lower", aspect="auto")
         for (row, column), value in np.ndenumerate(values):
-            dark = norm(value) > 0.55
+            dark = norm(max(value, _PALEST)) > 0.55
             text = f"{value:.0f}" if abs(value) >= 10 else f"{value:.1f}"
             axes.text(column, row, text, ha="center", va="center", fontsize=7, color="white" if dark else "black")
         axes.set_yticks(range(len(values)), [str(n) for n in data.n.values], fontsize=8)
@@ -139,10 +140,11 @@ def _heat_maps(data: xr.Dataset) -> Any:
         axes.set_title(STYLES[name]["label"], fontsize=9, loc="left")
     panels[-1].set_xticks(range(shown.sizes["round"]), [str(t) for t in settings["shown_rounds"]], fontsize=8)
     panels[-1].set_xlabel("online rounds T", fontsize=8.5)
-    bar = picture.colorbar(image, ax=list(panels), location="bottom", shrink=0.9, pad=0.02, aspect=35)
+    bar = picture.colorbar(
+        image, ax=list(panels), location="bottom", shrink=0.9, pad=0.02, aspect=35, extend="min", format="{x:g}"
+    )
     bar.set_label(f"{_MEASURES[settings['measure']]} (reward)", fontsize=8.5)
     bar.ax.tick_params(labelsize=8)
-    bar.set_ticks([float(f"{share**2 * norm.vmax:.2g}") for share in np.linspace(0, 1, 6)[:-1]])
     return picture
 
 
@@ -153,12 +155,16 @@ def _trade_off(data: xr.Dataset) -> Any:
     rounds = np.asarray(data["round"])
     picture = Figure(figsize=(4.2, 3.9), layout="constrained")
     axes = picture.subplots()
+    above = 2.5 * float(data.n[-1])
     for name in (str(n) for n in data.algorithm.values):
         low, needed, high = iso_regret(data, name, settings["target_regret"])
         axes.plot(rounds, needed, drawstyle="steps-post", linewidth=1.8, **STYLES[name])
-        axes.fill_between(rounds, low, high, step="post", color=STYLES[name]["color"], alpha=0.18, linewidth=0)
+        if np.isfinite(low).any():
+            high = np.where(np.isfinite(high), high, above)
+            axes.fill_between(rounds, low, high, step="post", color=STYLES[name]["color"], alpha=0.18, linewidth=0)
         beyond = [t for t in settings["shown_rounds"] if np.isnan(needed[t - 1])]
-        axes.plot(beyond, np.full(len(beyond), 2.5 * data.n[-1]), "^", markersize=4, color=STYLES[name]["color"])
+        if beyond:
+            axes.plot(beyond, np.full(len(beyond), above), "^", markersize=4, color=STYLES[name]["color"])
     axes.plot([], [], "^", markersize=4, color="#777777", label=f"more than the {int(data.n[-1])} tried")
     for bound in (str(b) for b in data.bound.values):
         curve, style = np.asarray(data.planned_n.sel(bound=bound)), PLANNED[bound]
@@ -218,17 +224,17 @@ def words(data: xr.Dataset) -> str:
     ]
     few, many = int(data.n[0]), int(data.n[-1])
     for name in algorithms:
-        one, two = (_last(data, settings["measure"], name, n) for n in (few, many))
-        gain = Mean(two.mean - one.mean, float(np.hypot(one.half_width, two.half_width)))
-        label = STYLES[name]["label"]
-        lines.append(f"{label}: do {many} demonstrations instead of {few} lower it? {verdict(gain)}, change {gain}")
+        own = data[settings["measure"]].sel(algorithm=name).isel(round=-1)
+        answer = _lower(own.sel(n=many), own.sel(n=few), paired=False)
+        lines.append(f"{STYLES[name]['label']}: do {many} demonstrations instead of {few} lower it? {answer}")
     for n in data.n.values:
-        own = data.sel(n=n)
-        gaps = [
-            (name, _difference(own, settings["measure"], "bridge", name)) for name in algorithms if name != "bridge"
+        final = data[settings["measure"]].sel(n=n).isel(round=-1)
+        answers = [
+            f"below {STYLES[name]['label']}? {_lower(final.sel(algorithm='bridge'), final.sel(algorithm=name))}"
+            for name in algorithms
+            if name != "bridge"
         ]
-        compared = "; ".join(f"below {STYLES[name]['label']}? {verdict(gap)}, by {gap}" for name, gap in gaps)
-        lines.append(f"n = {n}: BRIDGE {compared}")
+        lines.append(f"n = {n}: BRIDGE {'; '.join(answers)}")
     lines += [
         "",
         f"rounds until the greedy policy's mean suboptimality stays within {_SHARE:.0%} of the expert's return",
@@ -285,7 +291,15 @@ def _last(data: xr.Dataset, measure: str, algorithm: str, n: int) -> Mean:
     return Mean(float(mean), float(half))
 
 
-def _difference(data: xr.Dataset, measure: str, first: str, second: str) -> Mean:
-    final = data[measure].isel(round=-1)
-    mean, half = mean_over_seeds(np.asarray(final.sel(algorithm=first) - final.sel(algorithm=second)))
-    return Mean(float(mean), float(half))
+def _lower(first: xr.DataArray, second: xr.DataArray, paired: bool = True) -> str:
+    """Is the first lower, as far as the interval tells? Algorithms share the data of a seed; different n do not."""
+    one, two = np.asarray(first), np.asarray(second)
+    if (one == two).all():
+        return "no, equal in every seed"
+    if paired:
+        mean, half = mean_over_seeds(one - two)
+    else:
+        (mean_one, half_one), (mean_two, half_two) = mean_over_seeds(one), mean_over_seeds(two)
+        mean, half = mean_one - mean_two, np.hypot(half_one, half_two)
+    gap = Mean(float(mean), float(half))
+    return f"{verdict(gap)}, by {gap}"

@@ -4,7 +4,8 @@ All radii are on the scale of :math:`H=\sqrt{H^2}\in[0,1]`; a ball of radius 1 k
 that BRIDGE searches: deterministic stationary policies around the deterministic clone, under the pooled-count estimate
 with the rows without data as configured and the known law of the first state. The data enter through counts by step
 alone, which are drawn exactly in law at a cost that does not grow with n
-(:mod:`bridge_algos.offline.step_counts`).
+(:mod:`bridge_algos.offline.step_counts`). The radius for stochastic experts (audit T13) is no rung: it holds under
+another estimate, with one row for each step, and around a stochastic clone.
 """
 
 from __future__ import annotations

@@ -28,15 +28,15 @@ from experiments.panels import legend_below
 from experiments.seeds import all_seeds, changed, configured, entries
 
 FACTORS = {
-    "radius": "offline radius",
+    "radius": "offline radius (Hellinger)",
     "gamma": r"multiplier $\gamma_t$",
     "bonus_multiplier": "bonus multiplier",
     "n_demonstrations": "demonstrations n",
-    "noise": "demonstration noise",
+    "noise": "demonstration noise (probability)",
     "oracle_options.rationality": r"rationality $\beta$",
-    "oracle_options.mistakes": "mistakes",
-    "oracle_options.skip_below": "skipped below",
-    "oracle_options.equal_within": "equal within",
+    "oracle_options.mistakes": "mistakes (probability)",
+    "oracle_options.skip_below": "skipped below (reward)",
+    "oracle_options.equal_within": "equal within (reward)",
     "oracle_options.myopia": "myopia discount",
 }
 """Names of the factors on the axes: sets first, then B-Pref's imperfections of the teacher."""
@@ -162,10 +162,12 @@ def _draw_frequencies(axes: Any, x: FloatArray, own: xr.Dataset) -> None:
 
 
 def _draw_regrets(axes: Any, x: FloatArray, own: xr.Dataset) -> None:
-    for name in (str(n) for n in own.algorithm.values):
+    for i, name in enumerate(str(n) for n in own.algorithm.values):
         mean, half = mean_over_seeds(own.regret.sel(algorithm=name).transpose("seed", "cell").values)
         half = np.where(np.isfinite(half), half, 0)
-        axes.errorbar(x, mean, half, marker=".", markersize=4, capsize=1.5, **{"linewidth": 1.2, **STYLES[name]})
+        axes.errorbar(
+            x + 0.06 * (i - 1), mean, half, marker=".", markersize=4, capsize=1.5, **{"linewidth": 1.2, **STYLES[name]}
+        )
     axes.set_ylim(bottom=min(0, axes.get_ylim()[0]))
 
 

@@ -86,7 +86,7 @@ R4 = Repair(
     r"hindsight: "
     r"$\pi^*$ and $w^*$ are one point each and $R_T = \langle m_{\pi^*}, w^*\rangle$ with the sum $m_\pi$ of "
     r"$\phi(\pi) - \frac12(\phi(\pi_t^1) + \phi(\pi_t^2))$ over the rounds.",
-    formulas=("regret_trivial", "regret_diameter", "regret_width", "regret_hindsight"),
+    formulas=("regret_trivial", "regret_diameter", "regret_optimism", "regret_width", "regret_hindsight"),
 )
 
 CLAIMS = (

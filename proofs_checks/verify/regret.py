@@ -18,7 +18,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bridge_theory import regret_hindsight, regret_optimism
 from bridge_theory.arithmetic.flint_balls import Ball
+from bridge_theory.arithmetic.floats import FLOATS
 from proofs_checks.verify.ellipsoid import DataMatrix
 from proofs_checks.verify.enclosed import UNIT, Enclosed, FloatArray, difference, enlarged, largest_norms, product
 from proofs_checks.verify.features import IntArray
@@ -72,11 +74,12 @@ def round_bounds(
     for i in pair:
         gap = difference(scores, Enclosed(scores.mid[i], scores.rad))
         reach = view.rho * view.matrix.largest_norms(difference(whitened, whitened.rows(np.array([i]))))
-        plain = weight_bound * largest_norms(difference(view.features, view.features.rows(np.array([i]))))
+        norms = largest_norms(difference(view.features, view.features.rows(np.array([i]))))
         bonus = view.bonus + view.bonus[i]
         highest = gap.mid + gap.rad
-        slack = 16 * UNIT * (np.abs(highest) + reach + plain + bonus)
-        advantages = np.minimum(highest + reach, plain) + bonus + slack
+        slack = 16 * UNIT * (np.abs(highest) + reach + weight_bound * norms + bonus)
+        terms = {"W": weight_bound, "optimism": highest + reach, "norm": norms, "bonus_sum": bonus}
+        advantages = regret_optimism(FLOATS, **terms) + slack
         widths = reach + bonus + np.maximum(highest, reach + bonus) + slack
         advantages[i] = widths[i] = 0.0  # a policy has no regret against itself
         optimism += max(0.0, float(advantages[possible].max(initial=0.0)))
@@ -95,11 +98,13 @@ def hindsight(view: View, possible: NDArray[np.bool_], plays: IntArray, weight_b
     sums = _excess(view.features, plays, rounds)
     column = product(sums, Enclosed(view.w[:, None], 0.0))
     reach = view.rho * view.matrix.largest_norms(_excess(view.whitened, plays, rounds))
-    plain = weight_bound * largest_norms(sums)
+    norms = largest_norms(sums)
     highest = column.mid[:, 0] + column.rad
-    bonus = (rounds - plays) * view.bonus + float(plays @ view.bonus) / 2
-    slack = 32 * UNIT * (np.abs(highest) + reach + plain) + 4 * (len(plays) + 8) * UNIT * rounds * view.bonus.max()
-    values = np.minimum(highest + reach, plain) + bonus + slack
+    bonus = 2 * (rounds - plays) * view.bonus + float(plays @ view.bonus)
+    slack = 32 * UNIT * (np.abs(highest) + reach + weight_bound * norms)
+    slack += 4 * (len(plays) + 8) * UNIT * rounds * view.bonus.max()
+    terms = {"W": weight_bound, "optimism": highest + reach, "norm": norms, "bonus_sum": bonus}
+    values = regret_hindsight(FLOATS, **terms) + slack
     return enlarged(max(0.0, float(values[possible].max(initial=0.0))))
 
 

@@ -127,6 +127,7 @@ BY_HAND: dict[str, float] = {
     "regret_diameter": T * W * D,
     "regret_offline": 2 * B * W * T * Delta,
     "regret_width": 2 * (9.5 + 4.25),
+    "regret_optimism": min(20.0, W * 30) + 4.25,
     "regret_hindsight": min(20.0, W * 30) + 4.25 / 2,
     "regret_known_from_sum": 2 * gamma_T * 6.5,
     "feature_difference_sum": feature_sum,

@@ -203,6 +203,7 @@ REGRET: Mapping[str, Callable[..., float]] = {
     "regret_diameter": lambda W, T, diameter: T * W * diameter,
     "regret_offline": lambda B, W, T, Delta_n: 2 * B * W * T * Delta_n,
     "regret_width": lambda width_sum, bonus_sum: 2 * (width_sum + bonus_sum),
+    "regret_optimism": lambda W, optimism, norm, bonus_sum: min(optimism, W * norm) + bonus_sum,
     "regret_hindsight": lambda W, optimism, norm, bonus_sum: min(optimism, W * norm) + bonus_sum / 2,
     "gamma_true_bonus": _true_gamma,
     "regret_unknown_stated": lambda norm_sum, bonus_sum, **k: (

@@ -208,7 +208,7 @@ const frame = () => new Promise((done) => setTimeout(done, 60));
 const look = async () => {
   while (!document.documentElement.dataset.drawn) await frame();
   const figures = [...document.querySelectorAll('figure.interactive')];
-  const blank = [...document.querySelectorAll('.panel')].filter((p) => !p.querySelector('.trace')).length;
+  const blank = [...document.querySelectorAll('.panel')].filter((p) => !p.querySelector('.trace, .heatmaplayer image')).length;
   const figure = figures.find((f) => f.querySelector('.legend'));
   const box = figure.querySelector('.panel'), drag = box.querySelector('.nsewdrag').getBoundingClientRect();
   box.querySelector('.nsewdrag').dispatchEvent(new MouseEvent('mousemove', {

@@ -134,8 +134,8 @@ def _units(data: xr.Dataset) -> list[str]:
         factors[name] = [float(ours[part].sum() / theirs[part].sum()) for part in (slice(third), slice(-third, None))]
     early = ", ".join(f"{STYLES[name]['label']} {early:.2f} and {late:.2f}" for name, (early, late) in factors.items())
     return [
-        f"Units: our regret over the published one in the first and the last third of the rounds is, for {early}; one unit "
-        "would make all four equal."
+        f"Units: our regret over the published one in the first and the last third of the rounds is, for {early}; "
+        "one unit would make all four equal."
     ]
 
 

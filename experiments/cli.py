@@ -9,7 +9,8 @@ import sys
 from bridge_theory.errors import ComputationError, InputError
 
 SUBCOMMANDS = {
-    "run": ("bridge_algos.run.cli", "run BRIDGE, PbRL and BC on a tabular environment"),
+    "run": ("bridge_algos.run.cli", "run BRIDGE, PbRL and BC on an environment, tabular or of MuJoCo"),
+    "watch": ("bridge_algos.continuous.watch", "animate expert, clone and learned policies of a MuJoCo run"),
     "compare": ("experiments.compare.cli", "empirical regret beside every version of the theory"),
     "reproduce": ("experiments.reproduce", "reproduce the paper's figures, beside the published ones"),
     "expert": ("bridge_algos.continuous.expert_cli", "train, evaluate and record experts for MuJoCo Reacher and Ant"),

@@ -9,7 +9,8 @@ another honest run could have written, and is left out for that reason alone:
   and have the same features: the same play under other names;
 - both trajectories of a round exchanged together with the pair and the answer: the same likelihood;
 - entries of the configuration that no number here depends on (the solver, the discount), and those that only say how
-  the answers came about, on which the certificate is conditional (the oracle);
+  answers and candidates came about, on which the certificate is conditional (the oracle, the radius, the noise): they
+  change its assumptions;
 - for hand-set sets, delta and W where the weights stay inside: the reader's choices, not the run's;
 - claims changed by less than the tolerance: nothing is computed from them.
 """
@@ -170,7 +171,7 @@ def model(log: RunLog, algorithm: str) -> Mutations:
         "transition_model": ["mlp", "other"],
         "rollouts": [100],
         "delta": [0, 1, -0.1, "0.05", None],
-        "weight_bound": [0.5, "1"],
+        "weight_bound": [0.5, "1", 10**400, float("nan")],
     }
     if config["confidence"] != "fixed":
         changes["delta"] += [0.01, 0.5]
@@ -223,7 +224,12 @@ def malformed(log: RunLog, algorithm: str) -> Mutations:
             if name.endswith("outcomes") and np.isnan(value):
                 continue  # a missing answer, tried above
             yield f"{name} with {value}", edited(log, name, lambda a, v=value: a.__setitem__((0,) * a.ndim, v))
-    yield "another algorithm", with_header(log, ("algorithms",), ["bridge", "bridge-known", "other"])
+    for names in ([], [algorithm, "other"], [algorithm, algorithm], ["pbrl"]):
+        yield f"algorithms {names}", with_header(log, ("algorithms",), names)
+        yield (
+            f"algorithms {names} everywhere",
+            with_header(with_header(log, ("algorithms",), names), ("configuration", "algorithms"), names),
+        )
 
 
 KINDS = (observations, claims, rounds, model, malformed)
@@ -244,7 +250,7 @@ def test_the_reason_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     save_log(tmp_path / "log-00003.npz", forged)
     assert main(["verify", str(tmp_path)]) == 1
     shown = capsys.readouterr().out
-    assert "not certified" in shown
+    assert "NOT CERTIFIED" in shown
     assert "round 3: the solver error claimed is" in shown
     assert "recomputed at least" in shown
 

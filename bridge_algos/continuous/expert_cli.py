@@ -23,7 +23,7 @@ def parser() -> argparse.ArgumentParser:
     train = actions.add_parser("train", help="train an expert and write its file and card; resumes when killed")
     train.add_argument("environment", help="reacher or ant")
     train.add_argument("--algorithm", choices=("ppo", "sb3"), default="ppo", help="ppo: batched, minutes; sb3: hours")
-    train.add_argument("--iterations", type=int, help="of ppo (default: 300 for reacher, 400 for ant)")
+    train.add_argument("--iterations", type=int, help="of ppo (default: 300 for reacher, 1000 for ant)")
     train.add_argument("--steps", type=int, help="environment steps of sb3 (default 1,000,000)")
     train.add_argument("--seed", type=int, default=0, help="(default 0)")
     train.add_argument("--out", type=Path, help="the policy's .safetensors file (default out/expert-ENV.safetensors)")

@@ -93,6 +93,15 @@ class MlpPolicy:
 
     def __call__(self, observations: FloatArray) -> FloatArray:
         """Mean actions (m, d_a) of (m, d_s) observations, not clipped to any range."""
+        x = self.normalised(observations)
+        activation = ACTIVATIONS[self.activation]
+        for weight, bias in zip(self.weights[:-1], self.biases[:-1], strict=True):
+            x = activation(x @ weight + bias)
+        x = x @ self.weights[-1] + self.biases[-1]
+        return np.asarray(np.tanh(x) if self.squashed else x)
+
+    def normalised(self, observations: FloatArray) -> FloatArray:
+        """The network's inputs: observations (..., d_s), normalised and clipped."""
         x = observations
         if self.observation_mean is not None:
             x = x - self.observation_mean
@@ -100,11 +109,7 @@ class MlpPolicy:
             x = x / self.observation_scale
         if np.isfinite(self.observation_clip):
             x = np.clip(x, -self.observation_clip, self.observation_clip)
-        activation = ACTIVATIONS[self.activation]
-        for weight, bias in zip(self.weights[:-1], self.biases[:-1], strict=True):
-            x = activation(x @ weight + bias)
-        x = x @ self.weights[-1] + self.biases[-1]
-        return np.asarray(np.tanh(x) if self.squashed else x)
+        return x
 
     @property
     def parameters(self) -> FloatArray:

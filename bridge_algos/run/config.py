@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, field, fields, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from fractions import Fraction
-from math import isfinite
 from typing import Any, get_args
 
 from bridge_algos.envs.counterexamples import instance
 from bridge_algos.offline.cloning import TieBreak
 from bridge_algos.offline.transitions import EmptyRow
 from bridge_algos.online.pair_rules import PairRule
+from bridge_algos.run.configuration import (
+    ALGORITHMS,
+    Configuration,
+    NumberRule,
+    check_choices,
+    check_kinds,
+    check_numbers,
+    checked_algorithms,
+)
 from bridge_theory.errors import InputError
 
-ALGORITHMS = ("bridge", "bridge-known", "pbrl", "bc")
 EXPERTS = ("discounted-lp", "finite-horizon-lp", "best-stationary")
 RADII = ("stated", "stated-known", "repaired", "zero")
 
@@ -31,7 +37,7 @@ _CHOICES: dict[str, tuple[str, ...]] = {
     "pair_rule": get_args(PairRule),
 }
 _COUNTS = ("rounds", "n_demonstrations", "comparisons", "proposals", "candidate_limit", "search_size")
-_NUMBERS: tuple[tuple[tuple[str, ...], Any, Callable[[Any], bool], str], ...] = (
+_NUMBERS: tuple[NumberRule, ...] = (
     (_COUNTS, int, lambda x: x >= 1, "a whole number of at least 1"),
     (("rollouts",), int, lambda x: x >= 2, "a whole number of at least 2, or null for exact features"),
     (("gamma", "bonus_multiplier"), int | float, lambda x: x >= 0, "a number of at least 0"),
@@ -43,8 +49,8 @@ _OPTIONAL = ("rollouts", "weight_bound")
 
 
 @dataclass(frozen=True)
-class RunConfig:
-    """Everything that decides the numbers of a run, except the seed.
+class RunConfig(Configuration):
+    """Everything that decides the numbers of a run in a tabular environment, except the seed.
 
     Args:
         environment, environment_options: what ``make_mdp`` takes, or the path of an MDP's ``.npz`` file.
@@ -74,7 +80,6 @@ class RunConfig:
         delta: failure probability of each certified event.
     """
 
-    environment: str
     environment_options: dict[str, Any] = field(default_factory=dict)
     algorithms: tuple[str, ...] = ("bridge", "pbrl", "bc")
     expert: str = "discounted-lp"
@@ -109,54 +114,22 @@ class RunConfig:
     delta: float = 0.05
 
     def __post_init__(self) -> None:
-        for name, kind, expected in (
-            ("algorithms", list | tuple, "a list of names"),
-            ("environment_options", dict, "a JSON object"),
-            ("oracle_options", dict, "a JSON object"),
-            ("demonstrations", str | None, "the path of a file"),
-        ):
-            if not isinstance(getattr(self, name), kind):
-                raise InputError(f"{name} is {getattr(self, name)!r}, expected {expected}.")
-        object.__setattr__(self, "algorithms", tuple(self.algorithms))
-        unknown = [name for name in self.algorithms if name not in ALGORITHMS]
-        if unknown or not self.algorithms:
-            raise InputError(f"unknown algorithm {unknown or 'list, empty'}; expected some of {', '.join(ALGORITHMS)}.")
-        for name, choices in _CHOICES.items():
-            if getattr(self, name) not in choices:
-                raise InputError(f"{name} is {getattr(self, name)!r}, expected one of {', '.join(choices)}.")
-        for names, kind, valid, expected in _NUMBERS:
-            for name in names:
-                value = getattr(self, name)
-                if value is None and name in _OPTIONAL:
-                    continue
-                if isinstance(value, bool) or not isinstance(value, kind) or not isfinite(value) or not valid(value):
-                    raise InputError(f"{name} is {value!r}, expected {expected}.")
+        check_kinds(
+            self,
+            (
+                ("algorithms", list | tuple, "a list of names"),
+                ("environment_options", dict, "a JSON object"),
+                ("oracle_options", dict, "a JSON object"),
+                ("demonstrations", str | None, "the path of a file"),
+            ),
+        )
+        object.__setattr__(self, "algorithms", checked_algorithms(self.algorithms, ALGORITHMS))
+        check_choices(self, _CHOICES)
+        check_numbers(self, _NUMBERS, _OPTIONAL)
         if self.radius not in RADII and not (isinstance(self.radius, int | float) and self.radius >= 0):
             raise InputError(
                 f"radius is {self.radius!r}, expected a number of at least 0 or one of {', '.join(RADII)}."
             )
-
-    def to_json(self) -> str:
-        """A canonical JSON text: the same configuration gives the same text."""
-        return json.dumps(asdict(self), sort_keys=True)
-
-    @classmethod
-    def from_json(cls, text: str) -> RunConfig:
-        """The configuration that :meth:`to_json` wrote; InputError for anything else."""
-        try:
-            given = json.loads(text)
-            unknown = set(given) - {f.name for f in fields(cls)}
-        except (TypeError, ValueError) as error:
-            raise InputError(f"a run configuration is not readable JSON ({error}); save it again.") from None
-        if unknown:
-            raise InputError(f"a run configuration has unknown entries {sorted(unknown)}; is it from another version?")
-        if "environment" not in given:
-            raise InputError("a run configuration names no environment; save it again.")
-        return cls(**given)
-
-    def but(self, **changes: Any) -> RunConfig:
-        """The same configuration with some entries changed, validated again."""
-        return replace(self, **changes)
 
 
 _STAR_PUBLISHED: dict[str, Any] = {

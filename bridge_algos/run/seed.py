@@ -13,34 +13,16 @@ from threadpoolctl import threadpool_limits
 
 from bridge_algos.evaluation import expected_return, expected_returns
 from bridge_algos.hellinger import squared_hellinger
-from bridge_algos.mdp import FloatArray, IntArray
 from bridge_algos.offline.policy_set import PolicySet
-from bridge_algos.online.loop import RECORDED, Learner, OnlineProblem, run_online
+from bridge_algos.online.loop import Learner, OnlineProblem, run_online
 from bridge_algos.run.config import RunConfig
+from bridge_algos.run.dataset import constant_record, seed_dataset
 from bridge_algos.run.learners import make_learner
 from bridge_algos.run.offline import offline_stage
 from bridge_algos.run.streams import stream
 from bridge_algos.run.versions import package_versions
 from bridge_algos.run.world import World, build_oracle, caveats
 from bridge_theory.errors import InputError
-
-UNITS = {
-    "first": "index of a policy searched",
-    "second": "index of a policy searched",
-    "greedy": "index of a policy searched",
-    "pseudo_regret": "reward per trajectory",
-    "suboptimality": "reward per trajectory",
-    "set_size": "policies",
-    "optimum_kept": "1 = yes",
-    "optimum_ruled_out": "1 = yes",
-    "weight_error": "norm of w",
-    "uncertainty": "norm of phi in the inverse data matrix",
-    "bonus_sum": "utility",
-    "gamma": "none",
-    "log_det": "nats",
-    "seconds": "s",
-}
-
 
 Log = Callable[[Learner, dict[str, Any]], None]
 
@@ -69,7 +51,9 @@ def _run_seed(config: RunConfig, world: World, seed: int, log: Log | None) -> xr
     records, best = {}, {}
     for name in config.algorithms:
         if name == "bc":
-            records[name] = _constant(config, world, clone)
+            value = expected_return(mdp, clone)
+            gaps = world.expert.expected_return - value, world.expert.best_stationary.value - value
+            records[name] = constant_record(config.rounds, *gaps)
             best[name] = records[name]["suboptimality"][0]
             continue
         learner = make_learner(name, config, world, stage.offline_set, stage.transitions, seed)
@@ -91,7 +75,16 @@ def _run_seed(config: RunConfig, world: World, seed: int, log: Log | None) -> xr
         scalars[f"radius_{name}"] = (value, "Hellinger distance")
         within = _expert_distance(world, stage.version_space) == 0 if name == "zero" else distance <= value
         scalars[f"expert_in_{name}"] = (float(within), "1 = yes")
-    return _dataset(config, world, seed, records, scalars).assign(
+    attributes = {
+        "versions": json.dumps(package_versions()),
+        "caveats": json.dumps(caveats(config, world)),
+        "expert": world.expert.describe(),
+        "expert_return": world.expert.expected_return,
+        "optimum_return": world.expert.best_stationary.value,
+        "optimum_upper": world.expert.best_stationary.upper,
+        "utility_scale": world.utility_scale,
+    }
+    return seed_dataset(config, seed, records, scalars, attributes).assign(
         best_candidate=("algorithm", list(best.values()), {"units": "reward per trajectory below the expert"})
     )
 
@@ -105,48 +98,8 @@ def _expert_distance(world: World, offline: PolicySet) -> float:
     return float(np.sqrt(squared)) if squared > 1e-12 else 0.0
 
 
-def _constant(config: RunConfig, world: World, clone: IntArray) -> dict[str, FloatArray]:
-    """The record of playing the clone for ever."""
-    value = expected_return(world.mdp, clone)
-    record = {name: np.full(config.rounds, np.nan) for name in RECORDED}
-    record["suboptimality"][:] = world.expert.expected_return - value
-    record["pseudo_regret"][:] = world.expert.best_stationary.value - value
-    record["set_size"][:] = 1
-    return record
-
-
 def _count(offline: PolicySet) -> float:
     try:
         return float(offline.count())
     except (InputError, OverflowError):
         return float("nan")
-
-
-def _dataset(
-    config: RunConfig,
-    world: World,
-    seed: int,
-    records: dict[str, dict[str, FloatArray]],
-    scalars: dict[str, tuple[float, str]],
-) -> xr.Dataset:
-    names = list(records)
-    variables: dict[str, Any] = {
-        name: (("algorithm", "round"), np.stack([records[algorithm][name] for algorithm in names]), {"units": unit})
-        for name, unit in UNITS.items()
-    }
-    variables |= {name: ((), value, {"units": unit}) for name, (value, unit) in scalars.items()}
-    return xr.Dataset(
-        variables,
-        coords={"algorithm": names, "round": np.arange(1, config.rounds + 1), "seed": seed},
-        attrs={
-            "title": f"BRIDGE companion: {config.environment}, seed {seed}",
-            "configuration": config.to_json(),
-            "versions": json.dumps(package_versions()),
-            "caveats": json.dumps(caveats(config, world)),
-            "expert": world.expert.describe(),
-            "expert_return": world.expert.expected_return,
-            "optimum_return": world.expert.best_stationary.value,
-            "optimum_upper": world.expert.best_stationary.upper,
-            "utility_scale": world.utility_scale,
-        },
-    )

@@ -9,13 +9,13 @@ import xarray as xr
 
 from bridge_algos.files import atomic_write_text
 from bridge_algos.netcdf import load_dataset, save_dataset, short_text
-from bridge_algos.run.config import RunConfig
+from bridge_algos.run.configuration import Configuration, read_configuration
 from bridge_theory.errors import InputError
 
 _REMEDY = "move it away and run again to redo that seed"
 
 
-def open_run(directory: Path, config: RunConfig) -> set[int]:
+def open_run(directory: Path, config: Configuration) -> set[int]:
     """Prepare a directory for a configuration and return the seeds that it already holds.
 
     Raises:
@@ -23,7 +23,7 @@ def open_run(directory: Path, config: RunConfig) -> set[int]:
             deleted or overwritten.
     """
     described = directory / "configuration.json"
-    if described.exists() and seed_files(directory) and RunConfig.from_json(_text(described)) != config:
+    if described.exists() and seed_files(directory) and read_configuration(_text(described)) != config:
         raise InputError(
             f"{directory} holds a run with another configuration; choose another --out or move the old run away."
         )
@@ -57,16 +57,16 @@ def load_run(directory: Path) -> xr.Dataset:
         raise InputError(
             f"{directory} holds no results (seed-*.nc); make some with 'bridge-rl run ... --out {directory}'."
         )
-    config = RunConfig.from_json(_text(directory / "configuration.json"))
+    config = read_configuration(_text(directory / "configuration.json"))
     parts = [_load(path, config) for path in paths]
     combined = xr.concat(parts, dim="seed", combine_attrs="drop_conflicts")
     return combined.assign_attrs(title=f"BRIDGE companion: {config.environment}, {len(parts)} seeds")
 
 
-def _load(path: Path, config: RunConfig) -> xr.Dataset:
+def _load(path: Path, config: Configuration) -> xr.Dataset:
     dataset = load_dataset(path, _REMEDY)
     try:
-        same = RunConfig.from_json(dataset.attrs["configuration"]) == config
+        same = read_configuration(dataset.attrs["configuration"]) == config
     except (KeyError, ValueError) as error:
         raise InputError(f"{path} is not a readable result file ({short_text(error)}); {_REMEDY}.") from None
     if not same:

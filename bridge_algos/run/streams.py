@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from bridge_algos.run.config import ALGORITHMS
+from bridge_algos.run.configuration import ALGORITHMS
 
-PURPOSES = ("demonstrations", "noise", "ties", "candidates", "search", "network", *ALGORITHMS)
+_TABULAR = ("demonstrations", "noise", "ties", "candidates", "search", "network", *ALGORITHMS)
+PURPOSES = (*_TABULAR, "clone", "starts", "held-out")
 
 
 def stream(seed: int, purpose: str) -> np.random.Generator:

@@ -77,7 +77,10 @@ def table(results: xr.Dataset) -> str:
         )
         for row in rows
     ]
-    lines += ["", *comparisons(results), *_offline_lines(results)]
+    offline = _offline_lines if "radius_stated" in results else continuous_lines
+    lines += ["", *comparisons(results), *_search_lines(results), *offline(results)]
+    lines += [f"no guarantee: {caveat}" for caveat in json.loads(results.attrs["caveats"])]
+    lines.append(results.attrs["expert"])
     return "\n".join(lines)
 
 
@@ -97,23 +100,56 @@ def comparisons(results: xr.Dataset) -> list[str]:
     return lines
 
 
-def _offline_lines(results: xr.Dataset) -> list[str]:
-    def share(name: str) -> str:
-        return f"{100 * float(results[name].mean()):.0f} %"
-
+def _search_lines(results: xr.Dataset) -> list[str]:
     algorithms = [str(name) for name in results.algorithm.values if name != "bc"]
     best = ", ".join(f"{name} {float(results.best_candidate.sel(algorithm=name).mean()):.2f}" for name in algorithms)
-    lines = [
-        f"below the expert per round even with the best policy searched, so never regained: {best}",
-        f"optimal policy in the offline set: {share('optimum_in_offline_set')} of seeds (radius "
-        f"{float(results.radius.mean()):.3g}, mean exact size {float(results.offline_set_count.mean()):.4g} policies)",
-    ]
-    lines += [
-        f"expert within the {name} radius ({float(results[f'radius_{name}'].mean()):.3g}): {share(f'expert_in_{name}')}"
-        for name in ("stated", "repaired", "zero")
-    ]
+    lines = [f"below the expert per round even with the best policy searched, so never regained: {best}"]
     idle = [name for name in algorithms if bool((results.set_size.sel(algorithm=name).std("round") == 0).all())]
     if idle:
         lines.append(f"ruled out no policy in any round or seed: {', '.join(idle)}")
-    lines += [f"no guarantee: {caveat}" for caveat in json.loads(results.attrs["caveats"])]
-    return [*lines, results.attrs["expert"]]
+    return lines
+
+
+def share(results: xr.Dataset, name: str) -> str:
+    """In how many seeds a truth value holds, as a percentage."""
+    return f"{100 * float(results[name].mean()):.0f} %"
+
+
+def _offline_lines(results: xr.Dataset) -> list[str]:
+    lines = [
+        f"optimal policy in the offline set: {share(results, 'optimum_in_offline_set')} of seeds (radius "
+        f"{float(results.radius.mean()):.3g}, mean exact size {float(results.offline_set_count.mean()):.4g} policies)",
+    ]
+    return lines + [
+        f"expert within the {name} radius ({float(results[f'radius_{name}'].mean()):.3g}): "
+        f"{share(results, f'expert_in_{name}')}"
+        for name in ("stated", "repaired", "zero")
+    ]
+
+
+def continuous_lines(results: xr.Dataset) -> list[str]:
+    """What a run in continuous control found about its search space, with Monte-Carlo errors."""
+
+    def average(name: str, digits: int = 2) -> str:
+        return f"{float(results[name].mean()):.{digits}f}"
+
+    rounds, algorithms = results.sizes["round"], [str(name) for name in results.algorithm.values]
+    against_best, errors = [], []
+    for name in algorithms:
+        own = results.sel(algorithm=name)
+        total = np.asarray(own.suboptimality.sum("round") - rounds * own.best_candidate)
+        mean, half = (float(v) for v in mean_over_seeds(total))
+        against_best.append(f"{name} {Mean(mean, half)}")
+        errors.append(f"{name} {float(own.cumulative_error[:, -1].mean()):.2f}")
+    return [
+        f"cumulative regret against the best candidate that each searched: {', '.join(against_best)}",
+        f"Monte-Carlo standard error of one seed's cumulative suboptimality: {', '.join(errors)}",
+        f"return of the expert {average('expert_return')}, of the clone {average('clone_return')} (difference in a "
+        f"seed to within a standard error of {average('clone_gap_error')}); log-likelihood of an action under the "
+        f"clone {average('likelihood')}, held out {average('held_out_likelihood')}",
+        f"offline set: {average('offline_set_count', 1)} candidates within {average('radius')} of the clone; the "
+        f"expert is at {average('expert_distance')}, inside in {share(results, 'expert_in_ball')} of seeds; typical "
+        f"error of a feature vector {average('feature_error', 3)}",
+        f"largest coordinate of the embedding seen {average('largest_coordinate')}, norm at most "
+        f"{average('observed_bound')} over the trajectories seen",
+    ]

@@ -108,7 +108,7 @@ def _demonstrations(config: RunConfig, mdp: TabularMDP) -> Trajectories | None:
 def build_oracle(config: RunConfig, world: World) -> Oracle:
     """The configured teacher."""
     if config.oracle == "returns":
-        return _return_oracle(config.oracle_options)
+        return return_oracle(config.oracle_options)
     if world.w_star is None:
         raise InputError(
             f"the Bradley-Terry oracle needs rewards that are linear in the embedding, but {config.embedding!r} counts "
@@ -117,7 +117,8 @@ def build_oracle(config: RunConfig, world: World) -> Oracle:
     return BradleyTerryOracle(world.embedding, world.w_star)
 
 
-def _return_oracle(options: dict[str, float]) -> ReturnOracle:
+def return_oracle(options: dict[str, float]) -> ReturnOracle:
+    """The teacher that compares returns, with the options of :class:`ReturnOracle`."""
     try:
         return ReturnOracle(**options)
     except TypeError:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from decimal import ROUND_CEILING, Context
 from fractions import Fraction
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -52,21 +55,8 @@ class Certificate:
         return float(total) if Fraction(float(total)) >= total else float(np.nextafter(float(total), 2.0))
 
     def words(self) -> str:
-        """A small table and the verdict."""
-        head = f"{self.algorithm}, seed {self.seed}, {self.rounds} rounds: "
-        if not self.certified:
-            more = len(self.reasons) - _SHOWN_REASONS
-            lines = [head + "not certified", *(f"  {reason}" for reason in self.reasons[:_SHOWN_REASONS])]
-            return "\n".join([*lines, f"  and {more} more"] if more > 0 else lines)
-        events = " + ".join(f"{name} {value:g}" for name, value in self.spent.items()) or "none"
-        lines = [
-            head + f"certified, with failure probability {self.failure:.3g} ({events})",
-            "  regret after all rounds is at most, in utility <phi, w*>:",
-            *(f"    {name:<10} {self.bounds[name][-1]:>12.6g}" for name in BOUNDS),
-            *(f"  note: {note}" for note in self.notes),
-            *(f"  assuming: {assumption}" for assumption in self.assumptions),
-        ]
-        return "\n".join(lines)
+        """The certificate as text; see :func:`table`."""
+        return table([self])
 
     def record(self) -> dict[str, Any]:
         """The certificate as plain JSON values; an infinite bound is null."""
@@ -89,3 +79,38 @@ class Certificate:
 
 def _finite(values: FloatArray) -> list[float | None]:
     return [value if np.isfinite(value) else None for value in values.tolist()]
+
+
+def table(certificates: Sequence[Certificate]) -> str:
+    """Certificates as text: a row each, then what they rest on, then why some are refused."""
+    head = ("seed", "algorithm", "verdict", *BOUNDS, "failure")
+    rows = [head] + [
+        (str(c.seed), c.algorithm, "certified", *(_raised(c.bounds[name][-1]) for name in BOUNDS), f"{c.failure:g}")
+        if c.certified
+        else (str(c.seed), c.algorithm, "NOT CERTIFIED", *("-" for _ in BOUNDS), "-")
+        for c in certificates
+    ]
+    widths = [max(len(row[i]) for row in rows) for i in range(len(head))]
+    lines = ["  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)) for row in rows]
+    lines.append("bounds on the regret after all rounds in utility <phi, w*>, each rounded up")
+    for kind in ("notes", "assumptions"):
+        holders: dict[str, list[str]] = {}
+        for c in certificates:
+            for sentence in getattr(c, kind):
+                if c.algorithm not in holders.setdefault(sentence, []):
+                    holders[sentence].append(c.algorithm)
+        word = {"notes": "note", "assumptions": "assuming"}[kind]
+        lines += [f"{word} ({', '.join(names)}): {sentence}" for sentence, names in holders.items()]
+    for c in certificates:
+        more = len(c.reasons) - _SHOWN_REASONS
+        lines += [f"seed {c.seed}, {c.algorithm}: {reason}" for reason in c.reasons[:_SHOWN_REASONS]]
+        lines += [f"seed {c.seed}, {c.algorithm}: and {more} more"] if more > 0 else []
+    good = sum(c.certified for c in certificates)
+    return "\n".join([*lines, f"{good} of {len(certificates)} certified"])
+
+
+def _raised(value: float) -> str:
+    """Six significant digits, rounded up."""
+    if not isfinite(value):
+        return "-"
+    return format(Context(prec=6, rounding=ROUND_CEILING).create_decimal(value).normalize(), "f")

@@ -14,15 +14,14 @@ def main(argv: list[str]) -> int:
     """Verify logs. Returns 0 when all are certified, else 1; an unreadable log is a user's mistake."""
     options = _parser().parse_args(argv)
     from bridge_algos.run.log_file import load_log
+    from proofs_checks.verify.certificate import table
     from proofs_checks.verify.checker import verify
 
     certificates = [item for path in _paths(options.run, options.seed) for item in verify(load_log(path))]
     if options.json:
         print(json.dumps([item.record() for item in certificates], indent=2))
     else:
-        print("\n\n".join(item.words() for item in certificates))
-        good = sum(item.certified for item in certificates)
-        print(f"\n{good} of {len(certificates)} certified")
+        print(table(certificates))
     return int(not all(item.certified for item in certificates))
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import reprlib
+
 import numpy as np
 
 from bridge_algos.envs.registry import make_mdp
@@ -30,7 +32,7 @@ def contradictions(facts: Facts) -> list[str]:
 def _configuration(facts: Facts) -> list[str]:
     config, faults = facts.configuration, []
     if config.get("rounds") != facts.rounds:
-        faults.append(f"the log holds {facts.rounds} rounds, its configuration {config.get('rounds')!r}")
+        faults.append(f"the log holds {facts.rounds} rounds, its configuration {reprlib.repr(config.get('rounds'))}")
     if not isinstance(config.get("algorithms"), list) or facts.algorithm not in config["algorithms"]:
         faults.append(f"the configuration does not run {facts.algorithm}")
     if config.get("rollouts") is not None:
@@ -39,8 +41,10 @@ def _configuration(facts: Facts) -> list[str]:
         faults.append("the run's transitions come from a network, which cannot be recomputed from counts")
     given, weight_bound = config.get("weight_bound"), float(facts.weight_bound)
     expected = 1 / approximate_bound(facts.table) if given is None else given
-    if not isinstance(expected, int | float) or abs(weight_bound - expected) > 1e-12 * weight_bound:
-        faults.append(f"the weight bound is {weight_bound:.9g}, its configuration makes it {expected!r}")
+    if not isinstance(expected, int | float) or not weight_bound * (1 - 1e-12) <= expected <= weight_bound * (
+        1 + 1e-12
+    ):
+        faults.append(f"the weight bound is {weight_bound:.9g}, its configuration makes it {reprlib.repr(expected)}")
     return faults
 
 

@@ -1,5 +1,8 @@
 """The same numbers whatever the number of threads, of other policies, or of further initial states."""
 
+import tracemalloc
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
 
@@ -87,3 +90,32 @@ def test_actions_of_a_gaussian_policy_have_its_distribution():
     assert inside.mean() > 0.99
     assert abs(noise.mean()) < 6 / np.sqrt(noise.size)
     assert abs(noise.var() - 1) < 6 * np.sqrt(2 / noise.size)
+
+
+def test_memory_does_not_grow_with_the_number_of_policies():
+    """A lazy sequence of policies, of which only the blocks under way are in memory."""
+    environment = make_environment("reacher")
+    starts = draw_starts(environment, 100, np.random.default_rng(0))
+    template = random_policy(environment, 0)
+
+    class Perturbed(Sequence):
+        def __init__(self, count):
+            self.count = count
+
+        def __len__(self):
+            return self.count
+
+        def __getitem__(self, index):
+            noise = np.random.default_rng(index).normal(size=template.parameters.shape)
+            return template.with_parameters(template.parameters + 0.01 * noise)
+
+    def peak(count):
+        tracemalloc.start()
+        policy_features(environment, Perturbed(count), starts, lambda episodes: episodes.final_observations, threads=2)
+        _, most = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+        return most
+
+    peak(4)
+    one_policy = 100 * 50 * (10 + 2 + 1) * 8
+    assert peak(40) - peak(10) < one_policy

@@ -6,14 +6,15 @@ import numpy as np
 import pytest
 
 pytest.importorskip("mujoco", reason="training needs MuJoCo (the extra 'continuous')")
-torch = pytest.importorskip("torch", reason="training needs torch (the extra 'continuous')")
 
-from bridge_algos.continuous import ppo  # noqa: E402
-from bridge_algos.continuous.environments import make_environment  # noqa: E402
-from bridge_algos.continuous.expert_cards import evaluation  # noqa: E402
-from bridge_theory.errors import InputError  # noqa: E402
+from bridge_algos.continuous import ppo
+from bridge_algos.continuous.environments import make_environment
+from bridge_algos.continuous.episodes import Episodes
+from bridge_algos.continuous.expert_cards import evaluation
+from bridge_algos.continuous.ppo_gradient import Batch, Networks
+from bridge_theory.errors import InputError
 
-SHORT = ppo.PpoSettings(horizon=20, episodes=60, iterations=4, hidden=8, epochs=2, minibatch=400)
+SHORT = ppo.PpoSettings(horizon=20, episodes=60, iterations=4, hidden=8, epochs=2, minibatch=400, coarse=2)
 
 
 @pytest.fixture(scope="module")
@@ -57,32 +58,59 @@ def test_training_improves_the_policy(reacher, tmp_path):
     assert after["return"] > before["return"] + 6 * np.hypot(before["standard_error"], after["standard_error"])
 
 
-def test_likelihoods_of_clipped_actions_are_a_distribution(reacher):
-    """One dimension at a time: densities inside plus point masses at both ends make 1."""
-    settings = replace(SHORT, initial_std=0.8)
-    learner = ppo._fresh(reacher, settings, 0)
-    learner.parameters[:] = np.random.default_rng(0).normal(size=learner.parameters.shape)
-    networks = ppo._Networks(torch, reacher, settings, torch.from_numpy(learner.parameters))
-    std = ppo._policy(reacher, settings, learner).std
-    grid = torch.linspace(-1, 1, 20_001, dtype=torch.float64)
-    inputs = torch.from_numpy(np.random.default_rng(1).normal(size=(1, 10)))
-    actions = torch.stack([grid, torch.full_like(grid, 1.0)], dim=1)
-    corner = torch.tensor([[-1.0, 1.0], [1.0, 1.0]], dtype=torch.float64)
-    log_density = networks.log_likelihood(inputs.expand(len(grid), -1), actions)[1:-1].numpy()
-    ends = np.exp(networks.log_likelihood(inputs.expand(2, -1), corner).numpy())
-    # the second coordinate sits on its upper end throughout: all masses are multiples of its point mass
-    inside = np.exp(log_density).sum() * 1e-4 / (np.sqrt(2 * np.pi))
-    mean = networks._mlp(networks._policy, inputs).numpy()[0]
-    from scipy.stats import norm
+@pytest.fixture
+def networks():
+    return Networks(3, 2, 5, np.array([-1.0, -0.4]), np.array([1.0, 0.6]), least_std=0.05)
 
-    point = norm.sf((1 - mean[1]) / std[1])
-    np.testing.assert_allclose((inside + ends.sum()) / point, 1, atol=2e-4)
+
+def random_vector(networks, rng):
+    return 0.5 * rng.normal(size=sum(int(np.prod(shape)) for shape in networks.shapes))
+
+
+def test_likelihoods_of_clipped_actions_are_a_distribution(networks, rng):
+    """Densities inside the range and point masses at its ends make one, in each coordinate."""
+    vector = random_vector(networks, rng)
+    state = rng.normal(size=(1, 3))
+    grids, weights = [], []
+    for low, high in zip(networks.low, networks.high, strict=True):
+        cell = (high - low) / 400
+        grids.append(np.r_[low, low + cell * (np.arange(400) + 0.5), high])
+        weights.append(np.r_[1.0, np.full(400, cell), 1.0])
+    pairs = np.stack(np.meshgrid(*grids, indexing="ij"), axis=-1).reshape(-1, 2)
+    values = np.exp(networks.log_likelihoods(vector, np.repeat(state, len(pairs), axis=0), pairs)).reshape(402, 402)
+    assert abs(weights[0] @ values @ weights[1] - 1) < 1e-4
+
+
+def test_gradients_are_those_of_finite_differences(networks, rng):
+    vector = random_vector(networks, rng)
+    inputs, actions = rng.normal(size=(40, 3)), np.clip(rng.normal(size=(40, 2)), networks.low, networks.high)
+    before = networks.log_likelihoods(vector, inputs, actions) + 0.3 * rng.normal(size=40)
+    batch = Batch(inputs, actions, before, rng.normal(size=40), rng.normal(size=40))
+    gains = (batch.advantages - batch.advantages.mean()) / (batch.advantages.std() + 1e-8)
+
+    def loss(at):
+        ratios = np.exp(networks.log_likelihoods(at, inputs, actions) - before)
+        surrogate = np.minimum(ratios * gains, np.clip(ratios, 0.8, 1.2) * gains).mean()
+        return 0.5 * np.square(networks.values(at, inputs) - batch.targets).mean() - surrogate
+
+    steps = 1e-6 * np.eye(len(vector))
+    expected = np.array([(loss(vector + step) - loss(vector - step)) / 2e-6 for step in steps])
+    np.testing.assert_allclose(networks.gradient(vector, batch, 0.2), expected, rtol=1e-5, atol=1e-7)
+    assert np.abs(expected).min() < 1e-3 < np.abs(expected).max()
+    assert ((actions == networks.low) | (actions == networks.high)).any()
+
+
+def test_the_floor_under_the_deviation_holds(networks, rng):
+    vector = random_vector(networks, rng)
+    networks.split(vector)[1][:] = [-9.0, 0.0]
+    np.testing.assert_allclose(networks.std(networks.split(vector)[1]), [0.05, 1.0])
+    batch = Batch(*(rng.normal(size=shape) for shape in ((9, 3), (9, 2), 9, 9, 9)))
+    slopes = networks.split(networks.gradient(vector, batch, 0.2))[1]
+    assert slopes[0] == 0 != slopes[1]
 
 
 def test_advantages_are_those_of_the_definition():
     """GAE by its sum, on an episode that is cut, one that is terminated early, and one terminated at the end."""
-    from bridge_algos.continuous.episodes import Episodes
-
     rng = np.random.default_rng(0)
     lengths, terminated = np.array([4, 2, 4]), np.array([False, True, True])
     rewards, values = rng.normal(size=(3, 4)), rng.normal(size=(3, 5))

@@ -1,0 +1,157 @@
+"""Same seed, same numbers, whatever the threads and processes; killed runs resume in the middle of a seed."""
+
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+pytest.importorskip("mujoco", reason="continuous control needs MuJoCo, of the extra 'continuous'")
+pytest.importorskip("torch", reason="cloning needs torch, of the extra 'continuous'")
+
+from bridge_algos.continuous import features as features_module
+from bridge_algos.continuous.config import ContinuousConfig, continuous_preset
+from bridge_algos.continuous.seed import run_seed
+from bridge_algos.run.configuration import read_configuration
+from bridge_algos.run.runner import run
+from bridge_algos.run.store import load_run
+from bridge_theory.errors import InputError
+
+ROOT = Path(__file__).parent.parent
+TINY = continuous_preset("published", "reacher").but(
+    n_demonstrations=3, held_out=2, epochs=2, small=4, large=5, rollouts=6, rounds=4, comparisons=2, horizon=12
+)
+
+
+@pytest.fixture(autouse=True)
+def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("BRIDGE_RL_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setattr(features_module, "CHUNK", 4)
+    return tmp_path / "cache"
+
+
+def same(first: xr.Dataset, second: xr.Dataset) -> bool:
+    return first.drop_vars("seconds").identical(second.drop_vars("seconds"))
+
+
+def test_numbers_do_not_depend_on_threads_processes_or_the_cache(tmp_path: Path) -> None:
+    one = run_seed(TINY, 3, cache=None, threads=1)
+    two = run_seed(TINY, 3, cache=None, threads=2)
+    cached = run_seed(TINY, 3, cache=tmp_path / "cache", threads=2)
+    again = run_seed(TINY, 3, cache=tmp_path / "cache", threads=1)
+    assert same(one, two)
+    assert same(one, cached)
+    assert same(one, again)
+    assert not same(one.drop_vars("seed"), run_seed(TINY, 4, cache=None).drop_vars("seed"))
+    whole = run(TINY, tmp_path / "run", seeds=2, jobs=2)
+    assert same(whole, run(TINY, tmp_path / "serial", seeds=2, jobs=1))
+
+
+def test_the_expert_is_no_candidate_unless_asked_and_both_share_the_rollouts(own_cache: Path) -> None:
+    excluded = run_seed(TINY, 0, cache=own_cache)
+    files = sorted(own_cache.rglob("*.npz"))
+    included = run_seed(TINY.but(include_expert=True), 0, cache=own_cache)
+    assert sorted(own_cache.rglob("*.npz")) == files
+    assert len(files) == 3  # 11 policies with the expert, 4 a file
+    assert TINY.include_expert is False
+    assert continuous_preset("published", "ant").include_expert is False
+    everyone = 1 + TINY.small + TINY.large
+    assert float(excluded.set_size.sel(algorithm="pbrl")[0]) == everyone
+    assert float(included.set_size.sel(algorithm="pbrl")[0]) == everyone + 1
+    for name in ("first", "second", "greedy"):
+        assert float(excluded[name].max()) < everyone
+    assert "not a candidate" in excluded.attrs["expert"]
+    assert "not a candidate" not in included.attrs["expert"]
+    for shared in ("expert_return", "clone_return", "expert_distance", "observed_bound"):
+        assert float(excluded[shared]) == float(included[shared])
+
+
+def test_regret_is_that_of_the_paired_rollouts(tmp_path: Path) -> None:
+    from bridge_algos.continuous.offline import offline_stage
+
+    result, stage = run_seed(TINY, 1, cache=None), offline_stage(TINY, 1, cache=None)
+    returns = stage.features.returns.mean(axis=1)
+    for name in ("bridge", "pbrl"):
+        own = result.sel(algorithm=name)
+        np.testing.assert_allclose(own.suboptimality, returns[-1] - returns[own.greedy.astype(int)], rtol=1e-12)
+        pair = returns[own["first"].astype(int)] + returns[own.second.astype(int)]
+        gap = own.pseudo_regret + pair / 2
+        np.testing.assert_allclose(gap, gap[0], rtol=1e-12)
+        assert bool((own.suboptimality_error > 0).all())
+    inside = np.linalg.norm(stage.features.mean - stage.features.mean[0], axis=1) < TINY.radius
+    assert float(result.offline_set_count) == inside[:-1].sum()
+
+
+def test_a_killed_run_resumes_in_the_middle_of_a_seed(tmp_path: Path) -> None:
+    config = TINY.but(rollouts=50, horizon=50)
+    whole = run(config, tmp_path / "whole", seeds=2)
+    whole_files = {path.name: path.read_bytes() for path in (tmp_path / "cache").rglob("*.npz")}
+    program = (
+        "from pathlib import Path\n"
+        "from bridge_algos.continuous import features\n"
+        "from bridge_algos.run.configuration import read_configuration\n"
+        "from bridge_algos.run.runner import run\n"
+        "features.CHUNK = 4\n"
+        f"run(read_configuration({config.to_json()!r}), Path({str(tmp_path / 'killed')!r}), seeds=2)"
+    )
+    cache = tmp_path / "killed-cache"
+    process = subprocess.Popen(
+        [sys.executable, "-c", program], cwd=ROOT, env={**_environment(), "BRIDGE_RL_CACHE": str(cache)}
+    )
+    try:
+        deadline = time.monotonic() + 120
+        while not list(cache.rglob("[0-9a-f]*.npz")) and time.monotonic() < deadline:
+            time.sleep(0.002)
+    finally:
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+    kept = {path.name: path.stat().st_mtime_ns for path in cache.rglob("[0-9a-f]*.npz")}
+    assert 1 <= len(kept) < len(whole_files)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("BRIDGE_RL_CACHE", str(cache))
+        resumed = run(config, tmp_path / "killed", seeds=2)
+    after = {path.name: path for path in cache.rglob("[0-9a-f]*.npz")}
+    assert {name: after[name].stat().st_mtime_ns for name in kept} == kept
+    assert {name: path.read_bytes() for name, path in after.items()} == whole_files
+    assert same(whole, resumed)
+
+
+def _environment() -> dict[str, str]:
+    import os
+
+    return dict(os.environ)
+
+
+def test_a_result_carries_its_configuration(tmp_path: Path) -> None:
+    run(TINY, tmp_path / "run", seeds=1)
+    stored = load_run(tmp_path / "run")
+    assert read_configuration(stored.attrs["configuration"]) == TINY
+    assert isinstance(read_configuration(TINY.to_json()), ContinuousConfig)
+    assert all("units" in stored[name].attrs for name in stored.data_vars)
+    with pytest.raises(InputError, match="another configuration"):
+        run(TINY.but(gamma=1.0), tmp_path / "run", seeds=1)
+
+
+def test_damaged_features_are_named(own_cache: Path) -> None:
+    run_seed(TINY, 0, cache=own_cache)
+    victim = sorted(own_cache.rglob("*.npz"))[0]
+    victim.write_bytes(victim.read_bytes()[:500])
+    with pytest.raises(InputError, match=f"{victim.name} is not a readable .npz file"):
+        run_seed(TINY, 0, cache=own_cache)
+
+
+def test_every_embedding_rule_and_fit_runs(own_cache: Path) -> None:
+    for changes in (
+        {"embedding": "final_state", "pair_rule": "ucb"},
+        {"embedding": "reacher_reward", "normalise_embedding": True, "pair_rule": "greedy_vs_random"},
+        {"fit": "exact", "lam": 0.1, "until_decided": False},
+        {"oracle_options": {"mistakes": 0.2}, "normalise_observations": False},
+    ):
+        result = run_seed(TINY.but(**changes), 0, cache=own_cache)
+        assert bool(np.isfinite(result.suboptimality).all())
+    mine = run_seed(TINY.but(embedding="mine"), 0, cache=own_cache, user=lambda e: e.final_observations[:, 8:10])
+    assert bool(np.isfinite(mine.suboptimality).all())

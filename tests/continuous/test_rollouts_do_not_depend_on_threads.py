@@ -121,4 +121,4 @@ def test_memory_does_not_grow_with_the_number_of_policies():
 
     peak(4)
     one_policy = 100 * 10 * (10 + 2 + 1) * 8
-    assert peak(40) - peak(10) < one_policy
+    assert peak(40) - peak(10) < 5 * one_policy, "30 more policies, if kept, would take 30 times that of one"

@@ -38,6 +38,16 @@ class Dynamics:
     initial: FloatArray
     horizon: int
 
+    def __post_init__(self) -> None:
+        shape = self.transitions.shape
+        if len(shape) not in (3, 4) or shape[-3] != shape[-1]:
+            raise InputError(f"a kernel has shape {shape}, expected (S, A, S), or (H - 1, S, A, S) by step.")
+        if len(shape) == 4 and shape[0] != self.horizon - 1:
+            raise InputError(
+                f"a time-dependent kernel has {shape[0]} steps, expected H - 1 = {self.horizon - 1}: one for each "
+                "transition between the H states of a trajectory."
+            )
+
     @property
     def n_states(self) -> int:
         return int(self.transitions.shape[-1])

@@ -23,7 +23,7 @@ from bridge_algos.run.world import build_world
 from bridge_algos.trajectories import Trajectories
 from bridge_theory.arithmetic.flint_balls import ball, ends, working_precision
 from bridge_theory.errors import ComputationError
-from proofs_checks.verify import checker, claims, ellipsoid, regret, verify
+from proofs_checks.verify import claims, ellipsoid, regret, verify, walk
 from proofs_checks.verify.ellipsoid import data_matrix, solver_error
 from proofs_checks.verify.enclosed import Enclosed, difference, largest_norms, product
 from proofs_checks.verify.features import coordinates, estimated_kernel, expectations
@@ -159,14 +159,14 @@ def bent(module: Any, name: str, change: Callable[[Any], Any]) -> tuple[Any, str
 
 
 MUTANTS: dict[str, tuple[Any, str, Any]] = {
-    "half of rho": bent(checker, "radius", halved),
+    "half of rho": bent(walk, "radius", halved),
     "rho without the solver's error": bent(
-        checker, "radius", lambda f: lambda matrix, error, *rest: f(matrix, error * 0, *rest)
+        walk, "radius", lambda f: lambda matrix, error, *rest: f(matrix, error * 0, *rest)
     ),
-    "rho at twice delta": bent(checker, "radius", lambda f: lambda *a: f(*a[:-1], a[-1] * 2)),
-    "the paper's kappa": bent(checker, "certified_scale", lambda _: lambda B, W, lam: (2 + 2 * (B * W).cosh()) * lam),
-    "no square root in the error": bent(checker, "solver_error", lambda f: lambda *a: f(*a) ** 2),
-    "half the L1 radii": bent(checker, "row_radii", halved),
+    "rho at twice delta": bent(walk, "radius", lambda f: lambda *a: f(*a[:-1], a[-1] * 2)),
+    "the paper's kappa": bent(walk, "certified_scale", lambda _: lambda B, W, lam: (2 + 2 * (B * W).cosh()) * lam),
+    "no square root in the error": bent(walk, "solver_error", lambda f: lambda *a: f(*a) ** 2),
+    "half the L1 radii": bent(walk, "row_radii", halved),
     "no bonus of the policy played": bent(
         regret, "regret_optimism", lambda f: lambda m, **k: f(m, **{**k, "bonus_sum": k["bonus_sum"] / 2})
     ),
@@ -178,9 +178,9 @@ MUTANTS: dict[str, tuple[Any, str, Any]] = {
         regret, "regret_hindsight", lambda f: lambda m, **k: f(m, **{**k, "optimism": k["optimism"] / 2})
     ),
     "hindsight against each policy once": bent(
-        checker, "hindsight", lambda f: lambda view, ever, plays, W: f(view, ever, plays // 2 * 2, W)
+        walk, "hindsight", lambda f: lambda view, ever, plays, W: f(view, ever, plays // 2 * 2, W)
     ),
-    "one round forgotten in the sum": bent(checker, "cumulative", lambda f: lambda steps: f(np.append(steps[:-1], 0))),
+    "one round forgotten in the sum": bent(walk, "cumulative", lambda f: lambda steps: f(np.append(steps[:-1], 0))),
     "sets by half the norm": bent(regret, "worst_margins", lambda f: lambda s, z, gamma, b: f(s, z, gamma / 1e6, b)),
     "claimed sets by half the norm": bent(
         claims, "worst_margins", lambda f: lambda s, z, gamma, b: f(s, z, gamma / 1e6, b)

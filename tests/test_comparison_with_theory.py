@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 
 import bridge_theory as theory
+from bridge_algos.continuous.config import continuous_preset
 from bridge_algos.envs.counterexamples import instance
 from bridge_algos.envs.registry import make_mdp
+from bridge_algos.netcdf import load_dataset, save_dataset
 from bridge_algos.run.config import preset
 from bridge_algos.run.log_file import load_log, log_files, save_log
 from bridge_algos.run.runner import run
@@ -18,7 +20,7 @@ from bridge_algos.run.store import load_run
 from bridge_algos.run.world import build_world
 from bridge_theory.errors import InputError
 from experiments.cli import main
-from experiments.compare import compare, table, words
+from experiments.compare import compare, figure, table, words
 from experiments.compare import comparison as comparing
 from proofs_checks.counterexample import load, on_environment
 from proofs_checks.verify import verify
@@ -40,6 +42,11 @@ def star(tmp_path_factory):
     directory = tmp_path_factory.mktemp("star")
     run(preset("theory", "starmdp").but(**STAR), directory, 4)
     return directory
+
+
+@pytest.fixture(scope="module")
+def compared(star):
+    return compare(star)
 
 
 @pytest.fixture(scope="module")
@@ -107,8 +114,8 @@ def test_with_one_more_demonstration_nothing_is_violated(tmp_path):
     assert all(row.verdict != "violated" for row in found.rows)
 
 
-def test_the_theory_preset_violates_nothing(star):
-    known, unknown = compare(star)
+def test_the_theory_preset_violates_nothing(compared):
+    known, unknown = compared
     assert (known.algorithm, unknown.algorithm) == ("bridge-known", "bridge")
     for found in (known, unknown):
         assert {row.verdict for row in found.rows} <= {"informative", "vacuous", "rate"}
@@ -119,12 +126,12 @@ def test_the_theory_preset_violates_nothing(star):
     assert not rows_of(known)["a-priori"].curve.missing
 
 
-def test_every_number_is_a_direct_evaluation(star):
+def test_every_number_is_a_direct_evaluation(star, compared):
     results, world = load_run(star), build_world(preset("theory", "starmdp").but(**STAR))
     T = STAR["rounds"]
     model = {"B": 8, "W": "1/8", "lam": 2, "d": 20, "T": T}
     events = {f"delta_{event}": "1/20" for event in ("off", "w", "F")}
-    known, unknown = (rows_of(found) for found in compare(star))
+    known, unknown = (rows_of(found) for found in compared)
     assert known["trivial"].value == theory.regret_trivial.enclosure(B=8, W="1/8", T=T).upper
     assert (
         known["a-priori"].value == theory.regret_known_version_space.enclosure(**model, **events, S=5, n=2, K=1).upper
@@ -140,7 +147,7 @@ def test_every_number_is_a_direct_evaluation(star):
     played = [theory.regret_width.enclosure(width_sum=float(width), bonus_sum=0).upper for width in widths]
     assert known["played"].value == pytest.approx(float(np.mean(played)), rel=1e-12)
     regret = np.asarray(own.pseudo_regret.sum("round")) * world.utility_scale
-    found = compare(star)[0].empirical
+    found = compared[0].empirical
     assert found.regret[:, -1] == pytest.approx(regret, rel=1e-12, abs=1e-12)
     assert found.lower[-1] <= regret.mean() <= found.upper[-1]
 
@@ -177,8 +184,8 @@ def test_the_lemma_has_the_sums_that_were_played(violated):
     assert rows_of(found)["stated-sums"].value == pytest.approx(lemma.upper, rel=1e-12)
 
 
-def test_the_rate_touches_the_regret_and_is_no_bound(star):
-    for found in compare(star):
+def test_the_rate_touches_the_regret_and_is_no_bound(compared):
+    for found in compared:
         rate, mean = rows_of(found)["rate"], found.empirical.mean
         ratio = rate.curve.mean / mean
         assert np.nanmin(ratio) == pytest.approx(1, rel=1e-9)
@@ -192,19 +199,19 @@ def with_values(curve, value):
 
 
 @pytest.mark.parametrize(("seeds", "verdict"), [(1, "below, not certified"), (4, "violated")])
-def test_few_random_runs_above_a_bound_do_not_refute_it(star, seeds, verdict):
+def test_few_random_runs_above_a_bound_do_not_refute_it(star, compared, seeds, verdict):
     """A bound at level 0.85 that every run exceeds: one run may be the unlucky one, four are not."""
     subject = comparing.subjects(star)[0]
     subject = dataclasses.replace(subject, results=subject.results.isel(seed=slice(seeds)))
-    curve = next(row.curve for row in compare(star)[0].rows if row.curve.kind == "a-priori")
+    curve = next(row.curve for row in compared[0].rows if row.curve.kind == "a-priori")
     row = comparing._row(subject_curve := with_values(curve, -1.0), comparing._empirical(subject), 24.0)
     assert subject_curve.failure == pytest.approx(0.15)
     assert row.verdict == verdict
     assert row.exceeded == seeds
 
 
-def test_a_statement_about_another_algorithm_is_not_refuted(star):
-    found = compare(star)[0]
+def test_a_statement_about_another_algorithm_is_not_refuted(compared):
+    found = compared[0]
     curve = dataclasses.replace(with_values(found.rows[0].curve, -1.0), missing=("it is about another algorithm",))
     assert comparing._row(curve, found.empirical, 24.0).verdict == "below, not about this run"
 
@@ -230,6 +237,22 @@ def test_command_writes_table_figure_and_data_and_the_same_again(star, capsys, t
     assert [item["algorithm"] for item in data] == ["bridge-known", "bridge"]
     assert data[0]["versions"][0]["value"] == 24.0
     assert "a priori, repaired (R5)" in capsys.readouterr().out
+
+
+def test_several_runs_stand_side_by_side(star, logged, compared, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["compare", str(star), str(logged)]) == 0
+    data = json.loads((tmp_path / "out" / "compare" / "compare.json").read_text())
+    assert [item["run"] for item in data] == [star.name, star.name, logged.name, logged.name]
+    titles = [axes.get_title() for axes in figure(compared + tuple(renamed(compared))).axes]
+    assert titles[0].startswith(star.name)
+    assert titles[2].startswith("another")
+    assert figure(compared).axes[0].get_title().startswith("starmdp")
+    capsys.readouterr()
+
+
+def renamed(comparisons):
+    return [dataclasses.replace(comparison, run="another") for comparison in comparisons]
 
 
 def test_an_environment_is_run_first_and_its_seeds_are_kept(tmp_path, capsys):
@@ -266,6 +289,17 @@ def test_mistakes_get_one_sentence(arguments, sentence, star, tmp_path, capsys, 
     captured = capsys.readouterr()
     assert sentence in captured.err
     assert len(captured.err.strip().splitlines()) == 1
+
+
+def test_a_run_in_continuous_control_is_refused(star, tmp_path):
+    shutil.copytree(star, tmp_path / "copy")
+    config = continuous_preset("published", "reacher")
+    for path in (tmp_path / "copy").glob("seed-*.nc"):
+        stored = load_dataset(path, "run again")
+        save_dataset(path, stored.assign_attrs(configuration=config.to_json()))
+    (tmp_path / "copy" / "configuration.json").write_text(config.to_json())
+    with pytest.raises(InputError, match="the theory can be compared on tabular environments"):
+        compare(tmp_path / "copy")
 
 
 def test_a_directory_without_results_is_one_sentence(tmp_path):

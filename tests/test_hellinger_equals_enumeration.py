@@ -88,3 +88,13 @@ def test_irrational_roots_and_unequal_sizes_are_refused(rng: np.random.Generator
         exact_sqrt(Fraction(1, 2))
     with pytest.raises(InputError, match="different size"):
         bhattacharyya(random_dynamics(rng, 2, 2, 3), [0, 0], random_dynamics(rng, 2, 2, 4), [0, 0])
+
+
+def test_a_kernel_by_step_has_one_kernel_for_each_transition(rng: np.random.Generator) -> None:
+    kernel, start = random_dynamics(rng, 2, 2, 3).transitions, np.array([1.0, 0.0])
+    for steps in (1, 3):
+        with pytest.raises(InputError, match=rf"has {steps} steps, expected H - 1 = 2"):
+            Dynamics(np.stack([kernel] * steps), start, 3)
+    with pytest.raises(InputError, match=r"shape \(2, 2\), expected \(S, A, S\)"):
+        Dynamics(np.eye(2), start, 3)
+    assert Dynamics(np.stack([kernel] * 2), start, 3).n_actions == 2

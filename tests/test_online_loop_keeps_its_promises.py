@@ -76,8 +76,13 @@ def test_imperfect_teachers_and_skipped_queries_run() -> None:
     ):
         config = STAR.but(oracle_options=options, algorithms=("bridge",))
         assert bool(np.isfinite(run_seed(config, build_world(config), 0).suboptimality).all())
-    with pytest.raises(InputError, match="unknown oracle option"):
-        build_oracle(STAR.but(oracle_options={"noise": 0.1}), build_world(STAR))
+    for options, message in (
+        ({"noise": 0.1}, "the oracle has no option 'noise'; its options are rationality, mistakes,"),
+        ({"mistakes": "many"}, "the oracle's mistakes is 'many', expected a number"),
+        ({"mistakes": 2}, "the oracle's mistakes is 2, expected a probability"),
+    ):
+        with pytest.raises(InputError, match=message):
+            build_oracle(STAR.but(oracle_options=options), build_world(STAR))
 
 
 def test_noise_in_demonstrations_can_expel_the_expert_from_radius_zero() -> None:

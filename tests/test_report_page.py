@@ -163,9 +163,30 @@ def test_every_artist_has_its_counterpart() -> None:
     assert first["layout"]["annotations"][0]["text"] == "here &lt; there"
     assert first["layout"]["annotations"][0]["x"] == 1
     cells = second["data"][0]
-    assert cells["z"] == [[0, 1], [2, None]]
+    assert cells["z"] == [[0, 0.5], [1, None]]  # as the colours are scaled
+    assert cells["colorbar"]["tickvals"] == [0, 0.5, 1]
     assert cells["customdata"] == [[1, 10], [100, None]]
-    assert cells["colorbar"]["title"]["text"] == "regret"
+    assert cells["meta"]["colour"] == "regret"
+
+
+def test_panels_that_stand_alone_say_what_their_grid_says_once() -> None:
+    picture = Figure()
+    grid = picture.subplots(2, 2)
+    for column, quantity in enumerate(("regret", "size")):
+        grid[0, column].set_title(quantity)
+        grid[1, column].set_xlabel("round t")
+    for row, environment in enumerate(("starmdp", "gridworld")):
+        grid[row, 0].set_ylabel(environment)
+    said = [
+        (panel["title"], *(panel["layout"][axis]["title"]["text"] for axis in ("xaxis", "yaxis")))
+        for panel in panels(picture)
+    ]
+    assert said == [
+        ("regret", "round t", "starmdp"),
+        ("size", "round t", "starmdp"),
+        ("regret", "round t", "gridworld"),
+        ("size", "round t", "gridworld"),
+    ]
 
 
 def test_a_figure_without_counterpart_is_shown_as_a_picture() -> None:
@@ -187,14 +208,15 @@ const frame = () => new Promise((done) => setTimeout(done, 60));
 const look = async () => {
   while (!document.documentElement.dataset.drawn) await frame();
   const figures = [...document.querySelectorAll('figure.interactive')];
-  const blank = [...document.querySelectorAll('.panel')].filter((p) => !p.querySelector('.trace')).length;
-  const box = figures[0].querySelector('.panel'), drag = box.querySelector('.nsewdrag').getBoundingClientRect();
+  const blank = [...document.querySelectorAll('.panel')].filter((p) => !p.querySelector('.trace, .heatmaplayer image')).length;
+  const figure = figures.find((f) => f.querySelector('.legend'));
+  const box = figure.querySelector('.panel'), drag = box.querySelector('.nsewdrag').getBoundingClientRect();
   box.querySelector('.nsewdrag').dispatchEvent(new MouseEvent('mousemove', {
     bubbles: true, clientX: drag.x + drag.width / 2, clientY: drag.y + drag.height / 2 }));
   await frame(); await frame();
   const hover = box.querySelector('.hoverlayer').textContent.includes('BRIDGE');
-  const shown = () => figures[0].querySelectorAll('.scatterlayer .trace').length;
-  const button = figures[0].querySelector('.legend button'), before = shown();
+  const shown = () => figure.querySelectorAll('.scatterlayer .trace').length;
+  const button = figure.querySelector('.legend button'), before = shown();
   button.click(); await frame(); await frame();
   const without = shown();
   button.click(); await frame(); await frame();

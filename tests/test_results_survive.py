@@ -89,6 +89,15 @@ def test_more_seeds_extend_a_run(tmp_path: Path) -> None:
     assert (tmp_path / "seed-00000.nc").read_bytes() == first
 
 
+def test_fewer_seeds_than_stored_are_shown_alone(tmp_path: Path) -> None:
+    stored = run(SMALL, tmp_path, seeds=3)
+    asked = run(SMALL, tmp_path, seeds=2)
+    assert asked.seed.values.tolist() == [0, 1]
+    assert "2 seeds" in asked.attrs["title"]
+    np.testing.assert_array_equal(asked.suboptimality, stored.suboptimality.sel(seed=[0, 1]))
+    assert load_run(tmp_path).sizes["seed"] == 3
+
+
 def test_another_configuration_does_not_overwrite(tmp_path: Path) -> None:
     run(SMALL, tmp_path, seeds=1)
     with pytest.raises(InputError, match="another configuration"):

@@ -35,15 +35,15 @@ def make_mdp(name: str, **options: Any) -> TabularMDP:
     20
     >>> make_mdp("frozen-lake")
     Traceback (most recent call last):
-    bridge_theory.errors.InputError: there is no environment 'frozen-lake'; did you mean 'frozenlake'? The names are
+    bridge_theory.errors.InputError: there is no environment 'frozen-lake' (did you mean 'frozenlake'?); expected one of
     chain, cliff, cliffwalking, counterexample-known-model, frozenlake, frozenlake8x8, garnet, gridworld,
     gridworld-text, starmdp, starmdp-text, taxi.
     """
     key = str(name).lower()
     if key not in _MAKERS:
         close = difflib.get_close_matches(key, _MAKERS, n=1)
-        guess = f" did you mean {close[0]!r}?" if close else ""
-        raise InputError(f"there is no environment {name!r};{guess} The names are {', '.join(mdp_names())}.")
+        guess = f" (did you mean {close[0]!r}?)" if close else ""
+        raise InputError(f"there is no environment {name!r}{guess}; expected one of {', '.join(mdp_names())}.")
     maker = _MAKERS[key]
     allowed = sorted(inspect.signature(maker).parameters)
     unknown = sorted(set(options) - set(allowed))

@@ -89,10 +89,12 @@ class ReturnOracle:
         gap = one - two
         coin, flip = rng.random(len(gap)), rng.random(len(gap))
         chance = np.where(gap == 0, 0.5, gap > 0) if np.isinf(self.rationality) else sigmoid(self.rationality * gap)
-        outcome = (coin < chance).astype(np.float64)
-        outcome = np.where(flip < self.mistakes, 1 - outcome, outcome)
-        outcome = np.where(np.abs(gap) < self.equal_within, 0.5, outcome)
-        return np.where(np.maximum(one, two) < self.skip_below, np.nan, outcome)
+        outcome: FloatArray = ((coin < chance) != (flip < self.mistakes)).astype(np.float64)
+        if self.equal_within > 0:
+            outcome[np.abs(gap) < self.equal_within] = 0.5
+        if self.skip_below > -np.inf:
+            outcome[np.maximum(one, two) < self.skip_below] = np.nan
+        return outcome
 
     def _returns(self, trajectories: Trajectories) -> FloatArray:
         if trajectories.rewards is None:

@@ -96,7 +96,7 @@ def widest_pair(z: Features, gamma: float, bonus: PerPolicy) -> tuple[int, int]:
     order by falling u are skipped once that bound cannot beat the best pair found. Values that agree to rounding count
     as equal, and the first in that order wins.
     """
-    away = z - z.mean(axis=0)
+    away = z - np.add.reduce(z) / len(z)
     squares = np.vecdot(away, away)
     reach = gamma * np.sqrt(squares) + bonus
     slack = TIE * (1 + float(reach.max()))

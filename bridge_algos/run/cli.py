@@ -11,7 +11,7 @@ from typing import Any
 from bridge_algos.continuous.config import SHORT_NAMES, ContinuousConfig, continuous_preset, is_continuous
 from bridge_algos.envs.registry import mdp_names
 from bridge_algos.online.loop import FITS
-from bridge_algos.run.config import PRESETS, RunConfig, preset
+from bridge_algos.run.config import PRESETS, RADII, RunConfig, preset
 from bridge_algos.run.configuration import ALGORITHMS, Configuration
 from bridge_theory.cli.options import Parser
 from bridge_theory.errors import InputError
@@ -22,8 +22,12 @@ def parser() -> argparse.ArgumentParser:
     p = Parser(prog="bridge-rl run", description="Run BRIDGE, PbRL and BC on an environment.")
     names = (*mdp_names(), *SHORT_NAMES)
     p.add_argument("environment", help=f"one of {', '.join(names)}, an MDP's .npz file, or a MuJoCo environment's id")
+    p.add_argument("--preset", default="published", help=f"one of {', '.join(PRESETS)} (default published)")
+    p.add_argument("--seeds", type=int, help="number of seeds, 0..SEEDS-1 (default 30; MuJoCo 20)")
+    p.add_argument("--algorithms", help=f"comma-separated, of {', '.join(ALGORITHMS)} (default bridge,pbrl,bc)")
     add_options(p)
-    p.set_defaults(seeds=None)
+    p.add_argument("--out", type=Path, help="results directory (default out/ENVIRONMENT-PRESET)")
+    p.add_argument("--log", action="store_true", help="keep each seed's log, which 'bridge-rl verify' checks")
     p.add_argument("--expert", metavar="FILE", help="MuJoCo: the expert's file (default: the one that is shipped)")
     p.add_argument("--include-expert", action="store_true", help="MuJoCo: search the expert too, as published")
     p.add_argument("--show-config", action="store_true", help="print the configuration as JSON and stop")
@@ -31,21 +35,16 @@ def parser() -> argparse.ArgumentParser:
 
 
 def add_options(p: argparse.ArgumentParser) -> None:
-    """The options that describe a run, all but its environment; :func:`configuration` reads them."""
-    p.add_argument("--preset", default="published", help=f"one of {', '.join(PRESETS)} (default published)")
-    p.add_argument("--seeds", type=int, default=30, help="number of seeds, 0..SEEDS-1 (default 30; MuJoCo 20)")
+    """The options that change a preset, whoever makes the run; :func:`configuration` reads them."""
     p.add_argument("--rounds", type=int, help="online rounds T (default: the preset's)")
-    p.add_argument("--algorithms", help=f"comma-separated, of {', '.join(ALGORITHMS)} (default bridge,pbrl,bc)")
     p.add_argument("--fit", help=f"one of {', '.join(FITS)}: how preference weights are fitted (default: the preset's)")
     p.add_argument("--features", choices=("exact", "sampled"), help="sampled: 100 rollouts a policy, as in the paper")
     p.add_argument("--demos", metavar="FILE", help="demonstrations (.npz) that every seed uses instead of the expert's")
-    p.add_argument("--radius", help="of the offline set: a number, stated, repaired or zero (default: the preset's)")
+    p.add_argument("--radius", help=f"of the offline set: a number or {', '.join(RADII)} (default: the preset's)")
     p.add_argument(
         "--set", action="append", default=[], metavar="NAME=VALUE", help="any other entry of the configuration"
     )
     p.add_argument("--jobs", type=int, default=-1, help="processes (default: all cores); does not change the numbers")
-    p.add_argument("--out", type=Path, help="results directory (default out/ENVIRONMENT-PRESET)")
-    p.add_argument("--log", action="store_true", help="keep each seed's log, which 'bridge-rl verify' checks")
 
 
 def main(argv: list[str]) -> int:

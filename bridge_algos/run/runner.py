@@ -39,7 +39,8 @@ def run(
         log: keep each seed's log for ``bridge-rl verify`` too; a finished seed without one is run again for it.
 
     Returns:
-        All stored seeds as one data set; see :func:`bridge_algos.run.store.load_run`.
+        These seeds as one data set, whatever others the directory holds; see
+        :func:`bridge_algos.run.store.load_run`.
     """
     if seeds < 1:
         raise InputError(f"seeds is {seeds}, expected at least 1.")
@@ -50,7 +51,7 @@ def run(
         finished &= {seed for seed in finished if log_path(directory, seed).exists()}
     missing = [seed for seed in range(seeds) if seed not in finished]
     for_each(work, [(seed,) for seed in missing], jobs, config.environment, "seed", seeds - len(missing), progress)
-    return load_run(directory)
+    return load_run(directory, range(seeds))
 
 
 def _work(config: Configuration, directory: Path, log: bool, threads: int) -> Callable[[int], None]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Collection
 from pathlib import Path
 
 import xarray as xr
@@ -46,13 +47,16 @@ def save_seed(directory: Path, dataset: xr.Dataset) -> None:
     save_dataset(directory / f"seed-{int(dataset.seed):05d}.nc", dataset)
 
 
-def load_run(directory: Path) -> xr.Dataset:
-    """All seeds of a run as one data set over (seed, algorithm, round), with the run's configuration as attributes.
+def load_run(directory: Path, seeds: Collection[int] | None = None) -> xr.Dataset:
+    """The seeds of a run as one data set over (seed, algorithm, round), with the run's configuration as attributes.
+
+    Args:
+        seeds: which of the stored seeds; all by default.
 
     Raises:
         InputError: when there is no result, or one cannot be read or belongs to another configuration.
     """
-    paths = seed_files(directory)
+    paths = [path for path in seed_files(directory) if seeds is None or _seed_of(path) in seeds]
     if not paths:
         raise InputError(
             f"{directory} holds no results (seed-*.nc); make some with 'bridge-rl run ... --out {directory}'."

@@ -119,11 +119,13 @@ def build_oracle(config: RunConfig, world: World) -> Oracle:
 
 def return_oracle(options: dict[str, float]) -> ReturnOracle:
     """The teacher that compares returns, with the options of :class:`ReturnOracle`."""
-    try:
-        return ReturnOracle(**options)
-    except TypeError:
-        known = ", ".join(ReturnOracle.__dataclass_fields__)
-        raise InputError(f"unknown oracle option in {sorted(options)}; expected some of {known}.") from None
+    known = list(ReturnOracle.__dataclass_fields__)
+    for name, value in options.items():
+        if name not in known:
+            raise InputError(f"the oracle has no option {name!r}; its options are {', '.join(known)}.")
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise InputError(f"the oracle's {name} is {value!r}, expected a number.")
+    return ReturnOracle(**options)
 
 
 def _embedding(name: str, mdp: TabularMDP) -> Embedding:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import argparse
 import json
+import textwrap
 from pathlib import Path
 
 from bridge_algos.envs.counterexamples import is_counterexample
 from bridge_algos.envs.registry import mdp_names
 from bridge_algos.files import atomic_write_text
 from bridge_algos.run import cli as run_cli
+from bridge_algos.run.config import PRESETS
 from bridge_theory.cli.options import Parser
 from bridge_theory.errors import InputError
 from experiments.compare.subject import COMPARED, compared_algorithms
@@ -30,7 +32,10 @@ def main(argv: list[str]) -> int:
     from experiments.compare.record import record
 
     comparisons = [comparison for directory in directories for comparison in compare(directory, options.jobs)]
-    text = "\n\n".join(f"{table(comparison)}\n\n{words(comparison)}" for comparison in comparisons)
+    text = "\n\n".join(
+        f"{table(found)}\n\n{textwrap.fill(words(found), 120, break_long_words=False, break_on_hyphens=False)}"
+        for found in comparisons
+    )
     print(text)
     atomic_write_text(out / "compare.txt", text + "\n")
     atomic_write_text(out / "compare.json", json.dumps([record(found) for found in comparisons], indent=2) + "\n")
@@ -48,8 +53,13 @@ def _parser() -> argparse.ArgumentParser:
         help=f"directories of stored runs; or an environment, which is run first: one of {', '.join(mdp_names())}, or "
         "an MDP's .npz file, with the options of 'bridge-rl run'",
     )
+    p.add_argument(
+        "--preset", help=f"one of {', '.join(PRESETS)} (default: theory; counterexample for a counterexample)"
+    )
+    p.add_argument("--seeds", type=int, help="number of seeds, 0..SEEDS-1 (default 30; 1 for a counterexample)")
+    p.add_argument("--algorithms", help=f"comma-separated; {' and '.join(COMPARED)} are compared (default both)")
     run_cli.add_options(p)
-    p.set_defaults(preset=None, seeds=None)
+    p.add_argument("--out", type=Path, help="where to write (default: the run; out/compare for several runs)")
     return p
 
 
@@ -89,6 +99,7 @@ def _run(options: argparse.Namespace) -> Path:
         options.algorithms = ",".join(COMPARED)
     config = run_cli.configuration(options)
     compared_algorithms(config, build_world(config))  # what cannot be compared is refused before it is run
-    directory = options.out or Path("out") / f"compare-{Path(options.environment).stem}-{options.preset}"
+    own_preset = "" if options.preset == "counterexample" else f"-{options.preset}"
+    directory = options.out or Path("out") / f"compare-{Path(options.environment).stem}{own_preset}"
     run(config, directory, options.seeds, options.jobs, log=True)
     return directory

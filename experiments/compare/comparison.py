@@ -78,7 +78,7 @@ class Comparison:
     """One algorithm of one run beside the theory.
 
     Args:
-        name: run directory and algorithm, for titles.
+        run: name of the run's directory.
         rounds: (G,) the rounds t drawn, the last one T.
         setting: the parameters of the formulas, in words.
         trivial: 2BWT at the last round, below which a bound says something.
@@ -86,7 +86,7 @@ class Comparison:
         left_out: versions that this run does not give, and why.
     """
 
-    name: str
+    run: str
     environment: str
     algorithm: str
     rounds: IntArray
@@ -125,7 +125,7 @@ def _compare(subject: Subject) -> Comparison:
     setting, last = subject.setting, int(subject.rounds[-1])
     trivial = regret_trivial.enclosure(B=setting["B"], W=setting["W"], T=last).lower
     return Comparison(
-        name=f"{subject.name}, {subject.algorithm}",
+        run=subject.name,
         environment=subject.config.environment,
         algorithm=subject.algorithm,
         rounds=subject.rounds,

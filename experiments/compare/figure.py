@@ -36,7 +36,7 @@ def figure(comparisons: Sequence[Comparison]) -> Any:
     for comparison, (linear, logarithmic) in zip(comparisons, panels.T, strict=True):
         draw(linear, comparison, logarithmic=False)
         draw(logarithmic, comparison, logarithmic=True)
-        linear.set_title(f"{comparison.environment}\n{STYLES[comparison.algorithm]['label']}", fontsize=9)
+        linear.set_title(f"{_run(comparison, comparisons)}\n{STYLES[comparison.algorithm]['label']}", fontsize=9)
     curves = {
         label: line for axes in picture.axes for line, label in zip(*axes.get_legend_handles_labels(), strict=True)
     }
@@ -48,10 +48,11 @@ def figure(comparisons: Sequence[Comparison]) -> Any:
 
 
 def draw(axes: Any, comparison: Comparison, *, logarithmic: bool) -> None:
-    """All curves of a comparison into one panel."""
+    """All curves of a comparison into one panel; those that are not about the run are drawn "for scale"."""
     empirical, rounds = comparison.empirical, comparison.rounds
     for row in comparison.rows:
-        axes.plot(rounds, row.curve.mean, label=row.curve.label, **LINES[row.curve.kind])
+        label = row.curve.label + (", for scale" if row.curve.missing else "")
+        axes.plot(rounds, row.curve.mean, label=label, **LINES[row.curve.kind])
     axes.plot(rounds, empirical.mean, color=COLOUR, linewidth=2, label=_empirical_label(comparison))
     if empirical.lower is not None and empirical.upper is not None:
         low = np.maximum(empirical.lower, _floor(comparison)) if logarithmic else empirical.lower
@@ -81,6 +82,13 @@ def _mark(axes: Any, comparison: Comparison, row: Row, logarithmic: bool) -> Non
         0.97 * rounds[-1], (mean[-1] + 2 * bound[-1]) / 3, f"violated\n{row.ledger or row.curve.source}", ha="right",
         va="center", fontsize=8, color="#A03A00",
     )  # fmt: skip
+
+
+def _run(comparison: Comparison, comparisons: Sequence[Comparison]) -> str:
+    """The environment, or the run where the environment does not tell columns apart."""
+    titles = [(other.environment, other.algorithm) for other in comparisons]
+    alone = titles.count((comparison.environment, comparison.algorithm)) == 1
+    return comparison.environment if alone else comparison.run
 
 
 def _empirical_label(comparison: Comparison) -> str:

@@ -13,7 +13,7 @@ def record(comparison: Comparison) -> dict[str, Any]:
     """Names, units, curves, verdicts; a number that is not finite becomes null."""
     empirical, replay = comparison.empirical, comparison.empirical.replay
     return {
-        "name": comparison.name,
+        "run": comparison.run,
         "environment": comparison.environment,
         "algorithm": comparison.algorithm,
         "units": "utility <phi, w*>",

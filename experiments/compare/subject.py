@@ -15,6 +15,7 @@ from bridge_algos.expert.dynamic_programming import backward_induction
 from bridge_algos.mdp import FloatArray, IntArray
 from bridge_algos.offline.radius import minimum_visitation
 from bridge_algos.run.config import RunConfig
+from bridge_algos.run.configuration import read_configuration
 from bridge_algos.run.store import load_run
 from bridge_algos.run.world import World, build_world
 from bridge_theory.errors import InputError
@@ -111,7 +112,12 @@ def subjects(directory: Path, jobs: int = 1) -> list[Subject]:
         InputError: when there is no run; see also :func:`compared_algorithms`.
     """
     results = load_run(directory)
-    config = RunConfig.from_json(results.attrs["configuration"])
+    config = read_configuration(results.attrs["configuration"])
+    if not isinstance(config, RunConfig):
+        raise InputError(
+            f"{directory} holds a run of {config.environment}, whose features are sampled and whose best policy is not "
+            "known; the theory can be compared on tabular environments."
+        )
     world = build_world(config)
     names = compared_algorithms(config, world)
     found = certificates(directory, jobs)

@@ -69,6 +69,8 @@ def theory_curves(subject: Subject) -> tuple[list[Curve], list[LeftOut]]:
             curves.append(make(subject, label))
         except InputError as error:
             left_out.append(LeftOut(label, str(error)))
+    if not subject.known:
+        left_out.append(LeftOut("stated lemma, as printed", "its true bonuses are expectations that no run knows"))
     if any(curve.kind == "certified" for curve in curves):  # its minimum contains the widths played
         curves = [curve for curve in curves if curve.kind != "played"]
     return curves, left_out

@@ -7,6 +7,8 @@ import math
 from experiments.compare.comparison import Comparison, Row
 from experiments.compare.theory_curves import Curve
 
+_UNDECIDED = ("informative", "vacuous")
+
 MEANINGS = {
     "informative": "informative",
     "vacuous": "vacuous",
@@ -26,8 +28,8 @@ def table(comparison: Comparison) -> str:
     )
     for row in comparison.rows:
         curve = row.curve
-        verdict = MEANINGS[row.verdict]
-        if curve.missing and row.verdict in ("informative", "vacuous"):
+        verdict = "the yardstick" if curve.kind == "trivial" else MEANINGS[row.verdict]
+        if curve.missing and row.verdict in _UNDECIDED:
             verdict += ", not about this run"
         rows.append((curve.label, _number(row.value), _number(row.ratio), _holds(curve), verdict, curve.source))
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
@@ -37,7 +39,8 @@ def table(comparison: Comparison) -> str:
         for row in rows
     ]
     seeds = comparison.empirical.seeds
-    head = f"{comparison.name}: T = {last:,}, {seeds} seed{'s' if seeds > 1 else ''}, units of utility <phi, w*>"
+    size = f"T = {last:,}, {seeds} seed{'s' if seeds > 1 else ''}"
+    head = f"{comparison.run}, {comparison.algorithm}: {size}, units of utility <phi, w*>"
     return "\n".join([head, *lines])
 
 
@@ -53,7 +56,8 @@ def words(comparison: Comparison) -> str:
             f"The best bound that is about this run is '{best.curve.label}' ({best.curve.source}) with "
             f"{_number(best.value)}, {_number(best.ratio)} times the regret; trivial is {_number(comparison.trivial)}."
         )
-    sentences += [_row_sentence(comparison, row) for row in comparison.rows if _row_sentence(comparison, row)]
+    sentences += [sentence for row in comparison.rows if (sentence := _row_sentence(comparison, row))]
+    sentences += _for_scale([row for row in comparison.rows if row.curve.missing and row.verdict in _UNDECIDED])
     sentences += [f"'{item.label}' is left out: {item.reason.rstrip('.')}." for item in comparison.left_out]
     shown = ", ".join(f"{name} = {value}" for name, value in comparison.setting.items())
     sentences.append(f"Settings: {shown}; each event of a bound may fail with probability delta.")
@@ -105,10 +109,23 @@ def _row_sentence(comparison: Comparison, row: Row) -> str:
             f"{label} is exceeded by {row.exceeded} of {comparison.empirical.seeds} seeds; its failure probability "
             f"{row.curve.failure:.2g} allows that, or there are too few seeds to tell.{_ledger(row)}"
         )
-    note = f"{label} is drawn although it is not about this run: {missing}." if missing else ""
     if row.curve.kind in ("stated", "stated-sums") and row.ledger:
-        note += f" {label} is not violated here, but false in general.{_ledger(row)}"
-    return note.strip()
+        return f"{label} is not violated here, but false in general.{_ledger(row)}"
+    return ""
+
+
+def _for_scale(rows: list[Row]) -> list[str]:
+    """Which curves are drawn although they are not about the run, each reason once."""
+    if not rows:
+        return []
+    shared = [reason for reason in rows[0].curve.missing if all(reason in row.curve.missing for row in rows)]
+    names = ", ".join(f"'{row.curve.label}'" for row in rows)
+    sentences = [f"Drawn for scale, but not about this run: {names}" + (f"; {'; '.join(shared)}." if shared else ".")]
+    for row in rows:
+        own = [reason for reason in row.curve.missing if reason not in shared]
+        if own:
+            sentences.append(f"'{row.curve.label}': {'; '.join(own)}.")
+    return sentences
 
 
 def _ledger(row: Row) -> str:
@@ -133,4 +150,6 @@ def _band(comparison: Comparison) -> str:
 def _number(value: float) -> str:
     if not math.isfinite(value):
         return "-"
+    if abs(value) >= 1e7:
+        return f"{value:.3e}"
     return f"{value:,.0f}" if abs(value) >= 1000 else f"{value:.4g}" if abs(value) > 1e-9 else "0"

@@ -7,6 +7,7 @@ out: the caller then shows the picture itself.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -56,6 +57,8 @@ def _panel(axes: Any) -> Spec:
     for artist in axes.get_children():
         if id(artist) in done | frame or not artist.get_visible() or artist is axes.get_legend():
             continue
+        if isinstance(artist, LineCollection | PolyCollection) and not artist.get_paths():
+            continue  # a band of a single run, for example, is empty
         if isinstance(artist, Line2D):
             data.append(_line(axes, artist))
         elif isinstance(artist, PathCollection):
@@ -72,7 +75,7 @@ def _panel(axes: Any) -> Spec:
             notes += [_note(axes, artist)] if artist.get_text() else []
         else:
             raise InputError(f"a figure with a {type(artist).__name__} has no interactive form")
-    return {"title": markup(axes.get_title()), "data": data, "layout": _layout(axes, data, notes)}
+    return {"title": markup(_inherited(axes, _title, "colspan")), "data": data, "layout": _layout(axes, data, notes)}
 
 
 def _layout(axes: Any, data: list[Spec], notes: list[Spec]) -> Spec:
@@ -82,21 +85,21 @@ def _layout(axes: Any, data: list[Spec], notes: list[Spec]) -> Spec:
     same = {tuple(trace["x"]) for trace in data if trace["type"] == "scatter" and trace.get("hoverinfo") != "skip"}
     grid = any(trace["type"] == "heatmap" for trace in data)
     return {
-        "xaxis": _axis(axes.xaxis, axes.get_xlim(), grid),
-        "yaxis": _axis(axes.yaxis, axes.get_ylim(), grid),
+        "xaxis": _axis(axes.xaxis, axes.get_xlim(), _inherited(axes, type(axes).get_xlabel, "colspan"), grid),
+        "yaxis": _axis(axes.yaxis, axes.get_ylim(), _inherited(axes, type(axes).get_ylabel, "rowspan"), grid),
         "annotations": notes,
         "hovermode": "x unified" if len(same) == 1 else "closest",
         "barmode": "overlay",
     }
 
 
-def _axis(axis: Any, limits: tuple[float, float], grid: bool) -> Spec:
+def _axis(axis: Any, limits: tuple[float, float], label: str, grid: bool) -> Spec:
     from matplotlib.ticker import FixedFormatter, FuncFormatter
 
     straight = axis.get_scale() not in ("linear", "log")
     place = axis.get_transform().transform if straight or axis.get_scale() == "log" else np.asarray
     spec: Spec = {
-        "title": {"text": markup(_label(axis))},
+        "title": {"text": markup(label)},
         "type": "log" if axis.get_scale() == "log" else "linear",
         "range": place(np.asarray(limits)).tolist(),
         "showgrid": not grid,
@@ -112,13 +115,18 @@ def _axis(axis: Any, limits: tuple[float, float], grid: bool) -> Spec:
     return spec
 
 
-def _label(axis: Any) -> str:
-    """Panels that share an axis show its label once; apart from each other, each needs it."""
-    if axis.get_label_text():
-        return str(axis.get_label_text())
-    shared = axis.axes.get_shared_x_axes() if axis.axis_name == "x" else axis.axes.get_shared_y_axes()
-    labels = [getattr(other, f"{axis.axis_name}axis").get_label_text() for other in shared.get_siblings(axis.axes)]
-    return next(filter(None, labels), "")
+def _inherited(axes: Any, read: Callable[[Any], str], along: str) -> str:
+    """A text that a grid of panels shows once a column or row; apart from each other, each panel needs it."""
+    own, place = read(axes), axes.get_subplotspec()
+    if own or place is None:
+        return own
+    beside = [other for other in axes.figure.axes if (spec := other.get_subplotspec()) is not None
+              and getattr(spec, along) == getattr(place, along)]  # fmt: skip
+    return next(filter(None, map(read, beside)), "")
+
+
+def _title(axes: Any) -> str:
+    return next(filter(None, map(axes.get_title, ("center", "left", "right"))), "")
 
 
 def _straighten(data: list[Spec], notes: list[Spec], name: str, axis: Any) -> None:
@@ -291,7 +299,6 @@ def _rectangle(axes: Any, patch: Any) -> Spec:
 
 def _cells(axes: Any, mesh: Any) -> Spec:
     from matplotlib.collections import QuadMesh
-    from matplotlib.colors import LogNorm, Normalize
 
     values: Any = np.ma.filled(np.ma.asarray(mesh.get_array(), dtype=float), np.nan)
     x: Any
@@ -307,31 +314,28 @@ def _cells(axes: Any, mesh: Any) -> Spec:
             bottom, top = top, bottom
         x = np.linspace(left, right, values.shape[1] + 1)
         y = np.linspace(bottom, top, values.shape[0] + 1)
-    if values.ndim != 2 or type(mesh.norm) not in (Normalize, LogNorm):
-        raise InputError("a figure with coloured cells of this kind has no interactive form")
-    logarithmic = isinstance(mesh.norm, LogNorm)
-    scaled = np.log10(values) if logarithmic else values
-    ends = np.log10([mesh.norm.vmin, mesh.norm.vmax]) if logarithmic else np.array([mesh.norm.vmin, mesh.norm.vmax])
+    if values.ndim != 2:
+        raise InputError("a figure with cells that are coloured by hand has no interactive form")
     bar = mesh.colorbar
     spec: Spec = {
         "type": "heatmap",
         "x": x.tolist(),
         "y": y.tolist(),
-        "z": [_numbers(row) for row in scaled],
+        "z": [_numbers(row) for row in np.ma.filled(mesh.norm(values).astype(float), np.nan)],
         "customdata": [_numbers(row) for row in values],
-        "zmin": float(ends[0]),
-        "zmax": float(ends[1]),
+        "zmin": 0,
+        "zmax": 1,
         "colorscale": [[float(p), _colour(mesh.cmap(p))] for p in np.linspace(0, 1, 33)],
         "showscale": bar is not None,
         "meta": {"group": ""},
         "hovertemplate": "%{customdata:.4g}<extra></extra>",
     }
     if bar is not None:
-        ticks = [t for t in bar.ax.yaxis.get_major_ticks() if mesh.norm.vmin <= t.get_loc() <= mesh.norm.vmax]
-        places = [float(np.log10(t.get_loc()) if logarithmic else t.get_loc()) for t in ticks]
+        spec["meta"]["colour"] = markup(bar.ax.get_ylabel() or bar.ax.get_xlabel())
+        axis = bar.ax.yaxis if bar.orientation == "vertical" else bar.ax.xaxis
+        ticks = [t for t in axis.get_major_ticks() if mesh.norm.vmin <= t.get_loc() <= mesh.norm.vmax]
         spec["colorbar"] = {
-            "title": {"text": markup(bar.ax.get_ylabel() or bar.ax.get_xlabel()), "side": "right"},
-            "tickvals": places,
+            "tickvals": [float(mesh.norm(t.get_loc())) for t in ticks],
             "ticktext": [markup(t.label1.get_text() or t.label2.get_text()) for t in ticks],
             "thickness": 14,
         }
@@ -365,7 +369,7 @@ def _note(axes: Any, text: Any) -> Spec:
         ),
         "showarrow": False,
         "textangle": -text.get_rotation(),
-        "font": {"color": _colour(text.get_color(), text.get_alpha()), "size": 1.35 * text.get_fontsize()},
+        "font": {"color": _colour(text.get_color(), text.get_alpha()), "size": max(11, 1.35 * text.get_fontsize())},
     }
 
 

@@ -21,13 +21,18 @@ def picture_html(picture: Any, caption: str) -> str:
     boxes = "".join(f'<div>{_heading(spec)}<div class="panel" role="img"></div></div>' for spec in specs)
     data = json.dumps(specs, allow_nan=False).replace("<", "\\u003c")
     return (
-        f'<figure class="interactive"><div class="panels">{boxes}</div>{_legend(specs)}'
+        f'<figure class="interactive"><div class="panels">{boxes}</div>{_colours(specs)}{_legend(specs)}'
         f'<figcaption>{escape(caption)}</figcaption><script type="application/json">{data}</script></figure>'
     )
 
 
 def _heading(spec: Spec) -> str:
     return f'<p class="panel-title">{spec["title"]}</p>' if spec["title"] else ""
+
+
+def _colours(specs: list[Spec]) -> str:
+    told = dict.fromkeys(trace["meta"].get("colour") for spec in specs for trace in spec["data"])
+    return "".join(f'<p class="panel-title">colour: {words}</p>' for words in told if words)
 
 
 def _legend(specs: list[Spec]) -> str:

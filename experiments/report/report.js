@@ -8,8 +8,8 @@ const config = {
 const ink = '#1b1f24', rule = '#d9dee3';
 
 const axis = (spec) => ({
-  ...spec, title: { text: spec.title.text, standoff: 8 }, automargin: true, linecolor: ink, ticks: 'outside', ticklen: 4,
-  gridcolor: rule, zeroline: false, ...(spec.type === 'log' && !spec.tickvals ? { dtick: 1, exponentformat: 'power' } : {}),
+  ...spec, title: { text: spec.title.text, standoff: 8, font: { size: 13 } }, automargin: true, linecolor: ink, ticks: 'outside', ticklen: 4,
+  gridcolor: rule, zeroline: false, ...(spec.type === 'log' && !spec.tickvals ? { dtick: Math.ceil((spec.range[1] - spec.range[0]) / 6), exponentformat: 'power' } : {}),
 });
 
 const layout = (spec) => ({

@@ -170,7 +170,7 @@ def _answer(cell: xr.Dataset, radius: float, environment: str) -> str:
     return (
         f"{environment}, without noise: the expert is inside {verdict}: in {_share(sure)} of the data sets no outcome "
         f"of the coins could push it out, in {_share(coins)} the coins decided. The largest radius that the unluckiest "
-        f"coins could have asked for, which the demonstrations alone certify (audit T8(B)), is {unlucky.max():.3f}; "
+        f"coins could have asked for, which the demonstrations alone tell (audit T8(B)), is {unlucky.max():.3f}; "
         f"the coins drawn asked for at most {needed.max():.3f}, and radius 0 sufficed in {_share(needed == 0)}. "
         f"On average {float(cell.unrecorded.mean()):.1f} states have no record of the expert's action."
     )

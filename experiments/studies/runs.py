@@ -23,7 +23,7 @@ def compute(settings: dict[str, Any], directory: Path, jobs: int) -> xr.Dataset:
     config = RunConfig.from_json(json.dumps(settings["configuration"]))
     results = run(config, directory, settings["seeds"], jobs)
     various = {"versions": "various; see the files of the seeds"} if "versions" not in results.attrs else {}
-    return results.sel(seed=range(settings["seeds"])).drop_vars("seconds").assign_attrs(various)
+    return results.drop_vars("seconds").assign_attrs(various)
 
 
 def figures(data: xr.Dataset) -> dict[str, Any]:

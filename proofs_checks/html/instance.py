@@ -35,8 +35,13 @@ def instance(example: Counterexample) -> str:
         f'<div class="sides"><span>claimed</span>{mathml(claimed)}<span>here</span>{mathml(found)}</div></figcaption>'
         f'<div class="scroll">{"".join(parts)}</div>'
         f'<p class="quiet">{key} Not violated by the controls: {controls}. Stored as '
-        f"<code>counterexamples/{escape(example.name)}.json</code>.</p></figure>"
+        f"<code>counterexamples/{escape(example.name)}.json</code>.{_command(data)}</p></figure>"
     )
+
+
+def _command(data: Mapping[str, Any]) -> str:
+    environment = data.get("environment")
+    return f" To watch it: <code>bridge-rl compare {escape(environment)}</code>." if environment else ""
 
 
 def _number(side: Side) -> str:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from bridge_algos.run.log_file import RunLog
 from bridge_theory.errors import InputError
 from proofs_checks.verify.enclosed import FloatArray
+from proofs_checks.verify.entries import check_probabilities, count, floats, integers, json_object, number, text
 from proofs_checks.verify.features import Coordinates, IntArray, coordinates
 
 ALGORITHMS = ("bridge", "bridge-known", "pbrl")
@@ -83,31 +84,31 @@ def facts(log: RunLog, algorithm: str) -> Facts:
     """
     if algorithm not in ALGORITHMS:
         raise InputError(f"the log names an algorithm {algorithm!r}, expected one of {', '.join(ALGORITHMS)}.")
-    arrays, config = log.arrays, _object(log.header, "configuration")
-    kernel = _floats(arrays, "transitions", ("S", "A", "S"), {})
+    arrays, config = log.arrays, json_object(log.header, "configuration")
+    kernel = floats(arrays, "transitions", ("S", "A", "S"), {})
     n_states, n_actions, arrivals = kernel.shape
     if arrivals != n_states:
         raise InputError(f"the log's transitions has shape {kernel.shape}, expected (S, A, S).")
-    size = {"S": n_states, "A": n_actions, "H": _count(log.header, "horizon")}
-    initial = _floats(arrays, "initial", ("S",), size)
-    _probabilities("transitions", kernel)
-    _probabilities("initial", initial)
+    size = {"S": n_states, "A": n_actions, "H": count(log.header, "horizon")}
+    initial = floats(arrays, "initial", ("S",), size)
+    check_probabilities("transitions", kernel)
+    check_probabilities("initial", initial)
     demonstrated = tuple(
-        _integers(arrays, f"demonstrations/{name}", ("n", "H"), size, size[letter])
+        integers(arrays, f"demonstrations/{name}", ("n", "H"), size, size[letter])
         for name, letter in (("states", "S"), ("actions", "A"))
     )
     if demonstrated[0].shape != demonstrated[1].shape:
         raise InputError("the log's demonstrations have states and actions of different shapes.")
-    table = coordinates(_text(config, "embedding"), n_states, n_actions, size["H"])
+    table = coordinates(text(config, "embedding"), n_states, n_actions, size["H"])
     own = f"{algorithm}/"
-    policies = _integers(arrays, own + "policies", ("N", "S"), size, n_actions)
-    pairs = _integers(arrays, own + "pairs", ("T", 2), size, len(policies))
-    size |= {"T": len(pairs), "T + 1": len(pairs) + 1, "K": _count(config, "comparisons"), "d": table.dimension}
+    policies = integers(arrays, own + "policies", ("N", "S"), size, n_actions)
+    pairs = integers(arrays, own + "pairs", ("T", 2), size, len(policies))
+    size |= {"T": len(pairs), "T + 1": len(pairs) + 1, "K": count(config, "comparisons"), "d": table.dimension}
     for name, choices in _CHOICES.items():
-        if _text(config, name) not in choices:
+        if text(config, name) not in choices:
             raise InputError(f"the log's {name} is {reprlib.repr(config[name])}, expected one of {', '.join(choices)}.")
     _affordable(len(policies), size)
-    outcomes = _floats(arrays, own + "outcomes", ("T", "K"), size, missing=True)
+    outcomes = floats(arrays, own + "outcomes", ("T", "K"), size, missing=True)
     if not (np.isnan(outcomes) | ((outcomes >= 0) & (outcomes <= 1))).all():
         raise InputError(f"{own}outcomes holds values outside [0, 1].")
     offline = np.zeros((n_states, n_actions, n_states), dtype=np.int64)
@@ -115,15 +116,15 @@ def facts(log: RunLog, algorithm: str) -> Facts:
         add_transitions(offline, *demonstrated)
     return Facts(
         algorithm=algorithm,
-        seed=_count(log.header, "seed", least=0),
+        seed=count(log.header, "seed", least=0),
         configuration=config,
         known=algorithm == "bridge-known",
-        weight_bound=_number(log.header, "weight_bound"),
-        lam=_number(config, "lam"),
-        delta=_number(config, "delta", 1e-300, 1 - 1e-9),
-        slope=_number(config, "slope"),
-        gamma=float(_number(config, "gamma", 0)),
-        bonus_multiplier=float(_number(config, "bonus_multiplier", 0)),
+        weight_bound=number(log.header, "weight_bound"),
+        lam=number(config, "lam"),
+        delta=number(config, "delta", 1e-300, 1 - 1e-9),
+        slope=number(config, "slope"),
+        gamma=float(number(config, "gamma", 0)),
+        bonus_multiplier=float(number(config, "bonus_multiplier", 0)),
         kernel=kernel,
         initial=initial,
         demonstrations=(demonstrated[0], demonstrated[1]),
@@ -131,24 +132,24 @@ def facts(log: RunLog, algorithm: str) -> Facts:
         table=table,
         policies=policies,
         pairs=pairs,
-        states=_integers(arrays, own + "states", ("T", 2, "K", "H"), size, n_states),
-        actions=_integers(arrays, own + "actions", ("T", 2, "K", "H"), size, n_actions),
+        states=integers(arrays, own + "states", ("T", 2, "K", "H"), size, n_states),
+        actions=integers(arrays, own + "actions", ("T", 2, "K", "H"), size, n_actions),
         outcomes=outcomes,
-        w=_floats(arrays, own + "w", ("T + 1", "d"), size),
+        w=floats(arrays, own + "w", ("T + 1", "d"), size),
         claims={
-            "gamma": _floats(arrays, own + "gamma", ("T",), size),
-            "log_det": _floats(arrays, own + "log_det", ("T",), size),
-            "uncertainty": _floats(arrays, own + "uncertainty", ("T",), size),
-            "bonus": _floats(arrays, own + "bonus", ("T", 2), size),
-            "solver_error": _floats(arrays, own + "solver_error", ("T + 1",), size),
-            "set_size": _integers(arrays, own + "set_size", ("T",), size, len(policies) + 1),
+            "gamma": floats(arrays, own + "gamma", ("T",), size),
+            "log_det": floats(arrays, own + "log_det", ("T",), size),
+            "uncertainty": floats(arrays, own + "uncertainty", ("T",), size),
+            "bonus": floats(arrays, own + "bonus", ("T", 2), size),
+            "solver_error": floats(arrays, own + "solver_error", ("T + 1",), size),
+            "set_size": integers(arrays, own + "set_size", ("T",), size, len(policies) + 1),
         },
     )
 
 
 def configured_algorithms(log: RunLog) -> list[str]:
     """The algorithms that a log's configuration runs, without the clone, which learns nothing."""
-    names = _object(log.header, "configuration").get("algorithms")
+    names = json_object(log.header, "configuration").get("algorithms")
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
         raise InputError(f"the log's configuration runs {reprlib.repr(names)}, expected a list of algorithms.")
     return [name for name in names if name != "bc"]
@@ -171,76 +172,3 @@ def _affordable(policies: int, size: Mapping[str, int]) -> None:
             f"the log has {rounds:,} rounds of {comparisons:,} comparisons, which is too long to check here; log a run "
             f"of at most {int((MOST_RESIDUALS / comparisons) ** 0.5):,} rounds."
         )
-
-
-def _shaped(
-    arrays: Mapping[str, NDArray[Any]], name: str, shape: tuple[str | int, ...], size: Mapping[str, int]
-) -> NDArray[Any]:
-    if name not in arrays:
-        raise InputError(f"the log lacks {name}; store it again with 'bridge-rl run --log'.")
-    array = arrays[name]
-    wanted = tuple(size.get(entry) if isinstance(entry, str) else entry for entry in shape)
-    fits = array.ndim == len(shape) and array.size > 0
-    if not fits or any(w is not None and w != n for w, n in zip(wanted, array.shape, strict=True)):
-        words = ", ".join(str(entry if w is None else w) for entry, w in zip(shape, wanted, strict=True))
-        raise InputError(f"the log's {name} has shape {array.shape}, expected ({words}).")
-    return array
-
-
-def _floats(
-    arrays: Mapping[str, NDArray[Any]],
-    name: str,
-    shape: tuple[str | int, ...],
-    size: Mapping[str, int],
-    missing: bool = False,
-) -> FloatArray:
-    array = _shaped(arrays, name, shape, size)
-    if array.dtype != np.float64:
-        raise InputError(f"the log's {name} holds {array.dtype}, expected float64.")
-    if not (np.isfinite(array) | (missing & np.isnan(array))).all() or (np.abs(np.nan_to_num(array)) > 1e100).any():
-        raise InputError(f"the log's {name} holds entries that are not finite numbers of ordinary size.")
-    return array
-
-
-def _integers(
-    arrays: Mapping[str, NDArray[Any]], name: str, shape: tuple[str | int, ...], size: Mapping[str, int], count: int
-) -> IntArray:
-    array = _shaped(arrays, name, shape, size)
-    if array.dtype != np.int64:
-        raise InputError(f"the log's {name} holds {array.dtype}, expected int64.")
-    if array.min() < 0 or array.max() >= count:
-        raise InputError(f"the log's {name} holds {array.min()}..{array.max()}, expected 0..{count - 1}.")
-    return array
-
-
-def _probabilities(name: str, rows: FloatArray) -> None:
-    if rows.min() < 0 or np.abs(rows.sum(axis=-1) - 1).max() > 1e-9:
-        raise InputError(f"the log's {name} holds rows that are not probability vectors.")
-
-
-def _object(header: Mapping[str, Any], name: str) -> dict[str, Any]:
-    value = header.get(name)
-    if not isinstance(value, dict):
-        raise InputError(f"the log's {name} is {reprlib.repr(value)}, expected a JSON object.")
-    return value
-
-
-def _text(config: Mapping[str, Any], name: str) -> str:
-    value = config.get(name)
-    if not isinstance(value, str):
-        raise InputError(f"the log's {name} is {reprlib.repr(value)}, expected a text.")
-    return value
-
-
-def _count(entries: Mapping[str, Any], name: str, least: int = 1) -> int:
-    value = entries.get(name)
-    if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= 10**9:
-        raise InputError(f"the log's {name} is {reprlib.repr(value)}, expected a whole number of at least {least}.")
-    return value
-
-
-def _number(entries: Mapping[str, Any], name: str, low: float = 1e-9, high: float = 1e9) -> Fraction:
-    value = entries.get(name)
-    if isinstance(value, bool) or not isinstance(value, int | float) or not low <= value <= high:
-        raise InputError(f"the log's {name} is {reprlib.repr(value)}, expected a number from {low:g} to {high:g}.")
-    return Fraction(value)

@@ -41,7 +41,7 @@ _MEASURES = {
     "pair_regret": "cumulative regret of the pairs played",
 }
 _SHARE = 0.05
-_PALEST = 0.1
+_PALEST = 1.0
 
 
 def compute(settings: dict[str, Any], directory: Path, jobs: int) -> xr.Dataset:
@@ -155,8 +155,8 @@ def _trade_off(data: xr.Dataset) -> Any:
     rounds = np.asarray(data["round"])
     picture = Figure(figsize=(4.2, 3.9), layout="constrained")
     axes = picture.subplots()
-    above = 2.5 * float(data.n[-1])
-    for name in (str(n) for n in data.algorithm.values):
+    for i, name in enumerate(str(n) for n in data.algorithm.values):
+        above = 2.2 * 1.9**i * float(data.n[-1])  # one level an algorithm, so that none hides another
         low, needed, high = iso_regret(data, name, settings["target_regret"])
         axes.plot(rounds, needed, drawstyle="steps-post", linewidth=1.8, **STYLES[name])
         if np.isfinite(low).any():
@@ -260,7 +260,7 @@ def _plan_lines(data: xr.Dataset, settings: dict[str, Any], algorithms: list[str
         rows.append(
             (
                 str(t),
-                *(f"{n:,.0f}" if np.isfinite(n) else "none" for n in plans),
+                *(_count(n) if np.isfinite(n) else "none" for n in plans),
                 *(f"{n:.0f}" if np.isfinite(n) else f"> {most}" for n in found),
             )
         )
@@ -277,8 +277,8 @@ def _plan_lines(data: xr.Dataset, settings: dict[str, Any], algorithms: list[str
             if both.any():
                 t = int(np.flatnonzero(both)[-1])
                 lines.append(
-                    f"{bound} asks for {plan[t] / curve[t]:,.0f} times the demonstrations that "
-                    f"{STYLES[name]['label']} needed at T = {t + 1} ({plan[t]:,.0f} against {curve[t]:.0f})"
+                    f"{bound} asks for {_count(plan[t] / curve[t])} times the demonstrations that "
+                    f"{STYLES[name]['label']} needed at T = {t + 1} ({_count(plan[t])} against {curve[t]:.0f})"
                 )
         if not np.isfinite(plan).any():
             lines.append(f"{bound}: no plan exists; {data.why_no_plan.sel(bound=bound).item()} (in utility)")
@@ -303,3 +303,7 @@ def _lower(first: xr.DataArray, second: xr.DataArray, paired: bool = True) -> st
         mean, half = mean_one - mean_two, np.hypot(half_one, half_two)
     gap = Mean(float(mean), float(half))
     return f"{verdict(gap)}, by {gap}"
+
+
+def _count(number: float) -> str:
+    return f"{number:,.0f}" if number < 1e6 else f"{number:.2g}"

@@ -109,13 +109,16 @@ def test_memory_does_not_grow_with_the_number_of_policies():
             noise = np.random.default_rng(index).normal(size=template.parameters.shape)
             return template.with_parameters(template.parameters + 0.01 * noise)
 
+    def last(episodes):
+        return episodes.final_observations
+
     def peak(count):
         tracemalloc.start()
-        policy_features(environment, Perturbed(count), starts, lambda episodes: episodes.final_observations, threads=2)
+        policy_features(environment, Perturbed(count), starts, last, horizon=10, threads=2)
         _, most = tracemalloc.get_traced_memory()
         tracemalloc.stop()
         return most
 
     peak(4)
-    one_policy = 100 * 50 * (10 + 2 + 1) * 8
-    assert peak(40) - peak(10) < one_policy
+    one_policy = 100 * 10 * (10 + 2 + 1) * 8
+    assert peak(40) - peak(10) < 5 * one_policy, "30 more policies, if kept, would take 30 times that of one"

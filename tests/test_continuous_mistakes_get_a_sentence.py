@@ -93,7 +93,7 @@ class TestWithMujoco:
         for arguments, sentence in (
             (("Swimmer-v99",), "there is no environment 'Swimmer-v99'"),
             (("CartPole-v1",), "is not simulated by MuJoCo"),
-            (("reacher", "--expert", str(tmp_path / "missing.safetensors")), "cannot be read"),
+            (("reacher", "--expert", str(tmp_path / "missing.safetensors")), "does not exist"),
             (("reacher", "--expert", str(tmp_path / "expert.safetensors")), "expert.safetensors"),
             (("reacher", "--demos", str(tmp_path / "demos.npz")), "lacks the arrays"),
             (("reacher", "--set", "horizon=51"), "the horizon is 51, expected 1 to 50"),

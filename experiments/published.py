@@ -62,9 +62,9 @@ def agreement(ours: Mean, published: Mean) -> str:
     return f"published {published}, ours {ours}: they {found}"
 
 
-def comparison_text(results: xr.Dataset, curves: dict[str, Any]) -> str:
-    """Ours against theirs after the last round: do they agree within the intervals, and what differs by design?"""
-    lines = ["Beside the published curves, with 95 % intervals:"]
+def agreement_lines(results: xr.Dataset, curves: dict[str, Any]) -> list[str]:
+    """Regret and policies left after the last round, ours and theirs, a sentence each."""
+    lines = []
     for name in ALGORITHMS:
         for label, key, values in (
             ("cumulative regret", "cumulative_regret", cumulative(results, "suboptimality", name)),
@@ -73,6 +73,12 @@ def comparison_text(results: xr.Dataset, curves: dict[str, Any]) -> str:
             published = Mean(curves[name][key]["mean"][-1], curves[name][key]["ci95_half_width"][-1])
             ours = Mean(*(float(value) for value in mean_over_seeds(values[:, -1])))
             lines.append(f"{STYLES[name]['label']}, last {label}: {agreement(ours, published)}.")
+    return lines
+
+
+def comparison_text(results: xr.Dataset, curves: dict[str, Any]) -> str:
+    """Ours against theirs after the last round: do they agree within the intervals, and what differs by design?"""
+    lines = ["Beside the published curves, with 95 % intervals:", *agreement_lines(results, curves)]
     lines.append(
         f"Expert's return: published {curves['expert_return']:.2f} (simulated), "
         f"ours {results.attrs['expert_return']:.2f} (exact)."

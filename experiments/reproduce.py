@@ -32,17 +32,22 @@ def names() -> list[str]:
     return sorted(path.name.removesuffix(".json") for path in files("experiments").joinpath("configs").iterdir())
 
 
+def in_all() -> list[str]:
+    """What ``all`` stands for: everything but the configurations with ``"alone": true``, which take hours or MuJoCo."""
+    return [name for name in names() if not _described(name).get("alone", False)]
+
+
 def main(argv: list[str]) -> int:
     """Reproduce figures and tables; finished parts are kept, so that a killed reproduction continues."""
     p = Parser(prog="bridge-rl reproduce", description="Reproduce figures and tables, beside the published ones.")
-    p.add_argument("names", nargs="+", metavar="NAME", help=f"all, or some of {', '.join(names())}")
+    p.add_argument("names", nargs="+", metavar="NAME", help=f"some of {', '.join(names())}, or all that take minutes")
     p.add_argument("--out", type=Path, default=Path("out"), help="directory for results and figures (default out)")
     p.add_argument("--seeds", type=int, help="number of seeds (default: the configuration's)")
     p.add_argument("--jobs", type=int, default=-1, help="processes (default: all cores); does not change the numbers")
     p.add_argument("--quick", action="store_true", help="a small version, in its own directory: to see that it works")
     options = p.parse_args(argv)
     check_jobs(options.jobs)
-    chosen = names() if options.names == ["all"] else options.names
+    chosen = in_all() if options.names == ["all"] else options.names
     configurations = {name: configuration(name, options.quick, options.seeds) for name in chosen}
     for name, described in configurations.items():
         directory = options.out / (f"{name}-quick" if options.quick else name)
@@ -58,7 +63,7 @@ def configuration(name: str, quick: bool = False, seeds: int | None = None) -> d
     """
     if name not in names():
         raise InputError(f"there is nothing to reproduce named {name!r}; expected all or some of {', '.join(names())}.")
-    described: dict[str, Any] = json.loads(files("experiments").joinpath(f"configs/{name}.json").read_text())
+    described = _described(name)
     settings = _merged(described["settings"], described["quick"] if quick else {})
     if seeds is not None:
         if "seeds" not in settings:
@@ -86,6 +91,10 @@ def reproduce(name: str, described: dict[str, Any], directory: Path, jobs: int) 
     for suffix, picture in study.figures(data).items():
         paths += plots.save(picture, directory / (f"{name}-{suffix}" if suffix else name))
     return f"{text}\nfigures: {', '.join(str(path) for path in paths)}"
+
+
+def _described(name: str) -> dict[str, Any]:
+    return dict(json.loads(files("experiments").joinpath(f"configs/{name}.json").read_text()))
 
 
 def _merged(settings: dict[str, Any], changes: dict[str, Any]) -> dict[str, Any]:

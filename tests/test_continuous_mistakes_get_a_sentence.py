@@ -115,9 +115,9 @@ class TestWithMujoco:
 
     def test_changed_demonstrations_are_noticed(self, tmp_path: Path) -> None:
         from bridge_algos.continuous.environments import draw_starts, make_environment
-        from bridge_algos.continuous.episodes import save_episodes
+        from bridge_algos.continuous.episodes import episodes_digest, save_episodes
         from bridge_algos.continuous.experts import load_expert
-        from bridge_algos.continuous.offline import demonstrations_and_clone, episodes_digest
+        from bridge_algos.continuous.offline import demonstrations_and_clone
         from bridge_algos.continuous.rollouts import rollout
 
         environment = make_environment("reacher")
@@ -129,12 +129,12 @@ class TestWithMujoco:
         config = continuous_preset("published", "reacher").but(
             demonstrations=str(path), demonstrations_digest=episodes_digest(episodes), horizon=6, epochs=2
         )
-        _, _, used, cloned = demonstrations_and_clone(config, 0)
+        _, _, used, cloned = demonstrations_and_clone(config, 0, None)
         assert len(used) == 6
         assert np.isfinite(cloned.validation).all()
         save_episodes(path, episodes[1:])
         with pytest.raises(InputError, match="has changed since this run was configured"):
-            demonstrations_and_clone(config, 0)
+            demonstrations_and_clone(config, 0, None)
 
     def test_watch_shows_a_run_where_a_renderer_works(
         self, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch

@@ -33,7 +33,7 @@ def inside(changes: dict[str, Any], settings: dict[str, Any]) -> bool:
 @pytest.mark.parametrize("name", names())
 def test_a_configuration_is_well_formed(name: str) -> None:
     described = json.loads(files("experiments").joinpath(f"configs/{name}.json").read_text())
-    assert set(described) == {"title", "study", "settings", "quick"}
+    assert set(described) - {"alone"} == {"title", "study", "settings", "quick"}
     study = importlib.import_module(f"experiments.studies.{described['study']}")
     assert all(callable(getattr(study, part)) for part in ("compute", "figures", "words"))
     assert described["quick"], "a quick version changes something"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -130,6 +131,15 @@ class Episodes:
             lengths=lengths,
             terminated=self.terminated & (self.lengths <= horizon),
         )
+
+
+def episodes_digest(episodes: Episodes) -> str:
+    """SHA-256 of the content, by which a run recognises its demonstrations."""
+    content = hashlib.sha256()
+    for part in fields(episodes):
+        array = np.ascontiguousarray(getattr(episodes, part.name))
+        content.update(f"{part.name} {array.shape} {array.dtype}".encode() + array.tobytes())
+    return content.hexdigest()
 
 
 def save_episodes(path: str | Path, episodes: Episodes) -> None:

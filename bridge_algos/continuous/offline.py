@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import dataclass, fields
 from pathlib import Path
 
@@ -10,12 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bridge_algos.continuous.candidates import Candidates, feature_ball, make_candidates
-from bridge_algos.continuous.cloning import Clone, clone
+from bridge_algos.continuous.clone_cache import cached_clone
+from bridge_algos.continuous.cloning import Clone
 from bridge_algos.continuous.config import ContinuousConfig
 from bridge_algos.continuous.demonstrations import load_demonstrations
 from bridge_algos.continuous.embeddings import Embedding, EmbeddingFunction, embeddings_for, make_embedding
 from bridge_algos.continuous.environments import Environment, draw_starts, make_environment
-from bridge_algos.continuous.episodes import Episodes
+from bridge_algos.continuous.episodes import Episodes, episodes_digest
 from bridge_algos.continuous.experts import load_expert
 from bridge_algos.continuous.features import Features, candidate_features
 from bridge_algos.continuous.policies import MlpPolicy
@@ -67,17 +67,10 @@ def load_world(config: ContinuousConfig) -> tuple[Environment, MlpPolicy, Episod
     return environment, expert, given
 
 
-def episodes_digest(episodes: Episodes) -> str:
-    """SHA-256 of the content, by which a run recognises its demonstrations."""
-    content = hashlib.sha256()
-    for part in fields(episodes):
-        array = np.ascontiguousarray(getattr(episodes, part.name))
-        content.update(f"{part.name} {array.shape} {array.dtype}".encode() + array.tobytes())
-    return content.hexdigest()
-
-
-def demonstrations_and_clone(config: ContinuousConfig, seed: int) -> tuple[Environment, MlpPolicy, Episodes, Clone]:
-    """Environment, expert, the demonstrations of a seed, and the clone fitted to them."""
+def demonstrations_and_clone(
+    config: ContinuousConfig, seed: int, cache: Path | None
+) -> tuple[Environment, MlpPolicy, Episodes, Clone]:
+    """Environment, expert, the demonstrations of a seed, and the clone fitted to them or found in the cache."""
     environment, expert, given = load_world(config)
     if given is None:
         demonstrations, held_out = (
@@ -87,16 +80,9 @@ def demonstrations_and_clone(config: ContinuousConfig, seed: int) -> tuple[Envir
     else:
         every_fifth = np.arange(len(given)) % HELD_OUT == HELD_OUT - 1
         demonstrations, held_out = _part(given, ~every_fifth), _part(given, every_fifth)
-    cloned = clone(
-        demonstrations,
-        stream(seed, "clone"),
-        hidden=config.hidden,
-        validation=held_out if len(held_out) else None,
-        normalise=config.normalise_observations,
-        epochs=config.epochs,
-        batch=config.batch,
-        rate=config.rate,
-    )
+    settings = {name: getattr(config, name) for name in ("hidden", "epochs", "batch", "rate")}
+    settings["normalise"] = config.normalise_observations
+    cloned = cached_clone(cache, demonstrations, stream(seed, "clone"), held_out if len(held_out) else None, settings)
     return environment, expert, demonstrations, cloned
 
 
@@ -121,7 +107,7 @@ def offline_stage(
         cache, threads, progress: see :func:`bridge_algos.continuous.features.candidate_features`.
         user: a function from episodes to (n, d) that is used in place of a named embedding, and not cached.
     """
-    environment, expert, demonstrations, cloned = demonstrations_and_clone(config, seed)
+    environment, expert, demonstrations, cloned = demonstrations_and_clone(config, seed, cache)
     candidates = candidates_of(config, cloned, expert, seed)
     embedding = make_embedding(
         config.embedding, environment.gymnasium_id, demonstrations, config.normalise_embedding, user

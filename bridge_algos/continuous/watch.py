@@ -103,11 +103,12 @@ def _play(
 ) -> tuple[list[str], list[list[float]], float, list[list[Frames]]]:
     """Names, returns of each episode, frames a second, and frames of each episode, one list a policy."""
     from bridge_algos.continuous.environments import draw_starts
+    from bridge_algos.continuous.features import cache_directory
     from bridge_algos.continuous.offline import candidates_of, demonstrations_and_clone
     from bridge_algos.continuous.rollouts import rollout
     from bridge_algos.run.plots import STYLES
 
-    environment, expert, _, cloned = demonstrations_and_clone(config, seed)
+    environment, expert, _, cloned = demonstrations_and_clone(config, seed, cache_directory())
     candidates = candidates_of(config, cloned, expert, seed)
     policies: dict[str, Any] = {"expert": expert, "BC": cloned.policy}
     policies |= {str(STYLES[name]["label"]): candidates[index] for name, index in greedy.items()}

@@ -96,7 +96,8 @@ def _continuous_configuration(options: argparse.Namespace) -> ContinuousConfig:
         changes["include_expert"] = True
     if options.demos is None:
         return base.but(**changes)
-    from bridge_algos.continuous.offline import episodes_digest, load_world
+    from bridge_algos.continuous.episodes import episodes_digest
+    from bridge_algos.continuous.offline import load_world
 
     config = base.but(**changes, demonstrations=options.demos)
     _, _, given = load_world(config)

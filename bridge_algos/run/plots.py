@@ -34,12 +34,17 @@ def figure(results: xr.Dataset) -> Any:
     return picture
 
 
-def draw_cumulative(axes: Any, results: xr.Dataset, variable: str = "suboptimality") -> None:
-    """Cumulative regret of every algorithm: mean and 95 % band over seeds; never clipped at zero."""
+def draw_cumulative(
+    axes: Any, results: xr.Dataset, variable: str = "suboptimality", yardstick: str | None = None
+) -> None:
+    """Cumulative regret of every algorithm: mean and 95 % band over seeds; never clipped at zero.
+
+    The line at zero is the expert's, or that of another ``yardstick``, by the name it has in the legend.
+    """
     rounds = np.asarray(results["round"])
     for name in (str(n) for n in results.algorithm.values):
         draw_band(axes, rounds, *mean_over_seeds(cumulative(results, variable, name)), STYLES[name])
-    axes.axhline(0, **EXPERT)
+    axes.axhline(0, **(EXPERT if yardstick is None else {**EXPERT, "label": yardstick}))
     axes.set(xlabel="online round t", ylabel="cumulative regret (reward)", xlim=(rounds[0], rounds[-1]))
     axes.set_title("regret of the greedy policy", fontsize=9)
     finish(axes)

@@ -1,0 +1,54 @@
+"""A fitted clone kept on disk by content: runs that clone the same demonstrations in the same way fit once."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bridge_algos.continuous.cloning import Clone, clone
+from bridge_algos.continuous.episodes import Episodes, episodes_digest
+from bridge_algos.continuous.experts import expert_card
+from bridge_algos.continuous.policy_files import load_policy, save_policy
+from bridge_algos.run.versions import package_versions
+
+FORMAT = 1
+"""Changes whenever the definition of the fit does."""
+
+
+def cached_clone(
+    cache: Path | None,
+    demonstrations: Episodes,
+    rng: np.random.Generator,
+    validation: Episodes | None,
+    settings: dict[str, Any],
+) -> Clone:
+    """What :func:`bridge_algos.continuous.cloning.clone` returns, read from ``cache`` where it holds that fit.
+
+    Args:
+        cache: directory; None keeps nothing.
+        rng: its state is part of the content; it advances only where the fit is made anew.
+        settings: the other arguments of the fit, by name.
+    """
+    if cache is None:
+        return clone(demonstrations, rng, validation=validation, **settings)
+    versions = package_versions()
+    identity = {
+        "format": FORMAT,
+        "demonstrations": episodes_digest(demonstrations),
+        "validation": None if validation is None else episodes_digest(validation),
+        "generator": str(rng.bit_generator.state),
+        "settings": settings,
+        "versions": {name: versions[name] for name in ("torch", "numpy")},
+    }
+    name = hashlib.sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()[:32]
+    path = cache / "clones" / f"{name}.safetensors"
+    if not path.with_suffix(".json").exists():  # the card is written last
+        fitted = clone(demonstrations, rng, validation=validation, **settings)
+        curves = {"likelihood": fitted.likelihood.tolist(), "validation": fitted.validation.tolist()}
+        save_policy(path, fitted.policy, {"made of": identity, **curves})
+    card = expert_card(path)
+    return Clone(load_policy(path), np.array(card["likelihood"]), np.array(card["validation"]))

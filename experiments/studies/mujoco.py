@@ -1,0 +1,117 @@
+"""Figure 2, continuous control: the published preset with and without the expert among the candidates.
+
+The published runs search the expert's own policy beside the clone's noisy copies. A learner who has only
+demonstrations cannot do that, so both settings are run, on the same demonstrations, candidates and rollouts.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from bridge_algos.continuous.config import ContinuousConfig
+from bridge_algos.run import plots
+from bridge_algos.run.runner import run
+from bridge_algos.run.summary import mean_over_seeds, table
+from experiments.published import agreement_lines, draw_beside, published_curves
+
+SEARCHES = {"without-expert": False, "with-expert": True}
+"""Name of a search space, and whether the expert is in it."""
+TITLES = {"without-expert": "the expert is not a candidate", "with-expert": "the expert is a candidate, as published"}
+
+
+def compute(settings: dict[str, Any], directory: Path, jobs: int) -> xr.Dataset:
+    """The runs of ``settings["configuration"]`` on seeds 0 .. ``settings["seeds"]`` - 1; a seed is resumable inside."""
+    return both_searches(configured(settings), settings["seeds"], directory, jobs)
+
+
+def configured(settings: dict[str, Any]) -> ContinuousConfig:
+    """The configuration of a study, whatever the search space."""
+    return ContinuousConfig.from_json(json.dumps(settings["configuration"]))
+
+
+def both_searches(base: ContinuousConfig, seeds: int, directory: Path, jobs: int) -> xr.Dataset:
+    """A configuration without and with the expert among the candidates, joined along ``search``.
+
+    Measured times stay in the files of the seeds, in which a run resumes; so do versions where they differ.
+    """
+    parts = []
+    for name, included in SEARCHES.items():
+        results = run(base.but(include_expert=included), directory / name, seeds, jobs)
+        parts.append(results.sel(seed=range(seeds)).drop_vars("seconds"))
+    joined = xr.concat(parts, dim="search", combine_attrs="drop_conflicts", join="exact")
+    for variable in joined.data_vars.values():
+        variable.encoding = {"zlib": True, "complevel": 9}
+    various = {"versions": json.dumps("various; see the files of the seeds")} if "versions" not in joined.attrs else {}
+    return joined.assign_coords(search=list(SEARCHES)).assign_attrs(various)
+
+
+def figures(data: xr.Dataset) -> dict[str, Any]:
+    """Regret against the expert and policies left, for each search space; regret against the best candidate of all."""
+    curves, pictures = published_curves(_environment(data)), {}
+    for name in SEARCHES:
+        picture = plots.figure(data.sel(search=name))
+        picture.suptitle(f"{_environment(data).capitalize()}: {TITLES[name]}", fontsize=10)
+        if curves is not None and name == "with-expert" and curves["rounds"] == data.sizes["round"]:
+            regret, sizes = picture.axes
+            draw_beside(regret, sizes, curves)
+        pictures[name] = picture
+    pictures["against-best"] = _against_best(data)
+    return pictures
+
+
+def _against_best(data: xr.Dataset) -> Any:
+    from matplotlib.figure import Figure
+
+    picture = Figure(figsize=(6.6, 3.2), layout="constrained")
+    for axes, name in zip(picture.subplots(1, 2, sharey=True), SEARCHES, strict=True):
+        own = data.sel(search=name)
+        gap = own.suboptimality - own.best_candidate.sel(algorithm="pbrl", drop=True)
+        plots.draw_cumulative(axes, own.assign(against_best=gap), "against_best", "best candidate")
+        axes.set_title(TITLES[name], fontsize=9)
+    picture.suptitle(f"{_environment(data).capitalize()}: regret against the best candidate", fontsize=10)
+    return picture
+
+
+def words(data: xr.Dataset) -> str:
+    """The table of each search space, what clipping would have made of it, and the published curves."""
+    lines = []
+    for name in SEARCHES:
+        own = data.sel(search=name)
+        lines += [table(own.assign_attrs(title=f"{_environment(data)}, {TITLES[name]}", expert="")).rstrip(), ""]
+    included = data.sel(search="with-expert")
+    curves = published_curves(_environment(data))
+    if curves is None:
+        lines.append("No published curves of this environment are at hand to compare with.")
+    elif curves["rounds"] != data.sizes["round"]:
+        lines.append(f"Not compared with the published curves, which have {curves['rounds']} rounds.")
+    else:
+        lines += ["Beside the published curves (expert among the candidates), with 95 % intervals:"]
+        lines += agreement_lines(included, curves)
+        for name in ("bridge", "pbrl"):
+            regret = included.suboptimality.sel(algorithm=name).transpose("seed", "round")
+            clipped = float(np.maximum(regret, 0).sum("round").mean())
+            lines.append(f"{name}: clipped at zero in every round, as published, ours would read {clipped:.2f}.")
+        lines.append(
+            f"Return of the expert: published {curves['expert_return']:.2f}, ours {_mean(included.expert_return)}; of "
+            f"the clone: published {curves['bc_return']:.2f}, ours {_mean(included.clone_return)}."
+        )
+        lines.append(
+            "Known differences: the expert is another one; the clone normalises its observations by the "
+            "demonstrations' statistics, theirs by the expert's; all policies share 200 initial states, theirs have "
+            "their own."
+        )
+    return "\n".join(lines)
+
+
+def _mean(values: xr.DataArray) -> str:
+    mean, half = (float(v) for v in mean_over_seeds(np.asarray(values)))
+    return f"{mean:.2f} ± {half:.2f}"
+
+
+def _environment(data: xr.Dataset) -> str:
+    return configured(json.loads(data.attrs["settings"])).environment

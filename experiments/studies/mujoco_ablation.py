@@ -1,0 +1,98 @@
+"""Continuous ablations: one setting varied, everything else as published; without and with the expert searched."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from bridge_algos.run import plots
+from bridge_algos.run.summary import Mean, cumulative, mean_over_seeds, share
+from experiments.studies.mujoco import SEARCHES, TITLES, both_searches, configured
+
+
+def compute(settings: dict[str, Any], directory: Path, jobs: int) -> xr.Dataset:
+    """One run a variation and search space, joined along ``variation``; a seed is the resumable unit.
+
+    Each of ``settings["variations"]`` has a ``label`` and its ``changes`` to ``settings["configuration"]``. A variation
+    that runs fewer algorithms has no numbers for the others.
+    """
+    base = configured(settings)
+    parts = [
+        both_searches(base.but(**variation["changes"]), settings["seeds"], directory / variation["label"], jobs)
+        for variation in settings["variations"]
+    ]
+    joined = xr.concat(parts, dim="variation", join="outer", combine_attrs="drop_conflicts")
+    for variable in joined.data_vars.values():
+        variable.encoding = {"zlib": True, "complevel": 9}
+    return joined.assign_coords(variation=[variation["label"] for variation in settings["variations"]])
+
+
+def figures(data: xr.Dataset) -> dict[str, Any]:
+    """For each search space: BRIDGE's curves, and the final regret of every algorithm, over the variations."""
+    return {name: _figure(data.sel(search=name), name) for name in SEARCHES}
+
+
+def _figure(data: xr.Dataset, search: str) -> Any:
+    import matplotlib
+    from matplotlib.figure import Figure
+
+    settings = json.loads(data.attrs["settings"])
+    labels = [str(label) for label in data.variation.values]
+    picture = Figure(figsize=(6.6, 3.4), layout="constrained")
+    curves, final = picture.subplots(1, 2)
+    rounds = np.asarray(data["round"])
+    shades = matplotlib.colormaps["viridis"](np.linspace(0, 0.85, len(labels)))
+    for label, shade in zip(labels, shades, strict=True):
+        mean, half = mean_over_seeds(cumulative(data.sel(variation=label), "suboptimality", "bridge"))
+        style = {"label": f"BRIDGE, {settings['varied']} {label}", "color": tuple(shade)}
+        plots.draw_band(curves, rounds, mean, half, style)
+    curves.set(xlabel="online round t", ylabel="cumulative regret (reward)", xlim=(rounds[0], rounds[-1]))
+    curves.axhline(0, **plots.EXPERT)
+    positions = np.arange(len(labels))
+    for offset, name in zip((-0.12, 0.0, 0.12), ("bridge", "pbrl", "bc"), strict=True):
+        means = [_final(data, label, name) for label in labels]
+        style = {"label": plots.STYLES[name]["label"], "color": plots.STYLES[name]["color"]}
+        heights, halves = (np.array([getattr(m, part) for m in means]) for part in ("mean", "half_width"))
+        there = np.isfinite(heights)
+        errors = np.where(np.isfinite(halves), halves, 0)[there]
+        final.errorbar(positions[there] + offset, heights[there], errors, fmt="o", markersize=4, capsize=2, **style)
+    final.set(xticks=positions, xlabel=settings["varied"], ylabel=f"cumulative regret after {rounds[-1]} rounds")
+    final.set_xticklabels(labels)
+    final.axhline(0, **plots.EXPERT)
+    for axes in (curves, final):
+        plots.finish(axes)
+    picture.suptitle(f"{configured(settings).environment.capitalize()}: {TITLES[search]}", fontsize=10)
+    return picture
+
+
+def words(data: xr.Dataset) -> str:
+    """Final regret with 95 % intervals, and what the offline set holds, for each variation."""
+    settings = json.loads(data.attrs["settings"])
+    lines = [f"{settings['seeds']} seeds, {data.sizes['round']} rounds; mean ± 95 % half-width over seeds."]
+    for search in SEARCHES:
+        lines += ["", f"{TITLES[search]}:"]
+        for label in (str(value) for value in data.variation.values):
+            own = data.sel(search=search, variation=label)
+            finals = {name: _final(data.sel(search=search), label, name) for name in ("bridge", "pbrl", "bc")}
+            told = ", ".join(f"{name} {mean}" for name, mean in finals.items() if np.isfinite(mean.mean))
+            best = float(own.best_candidate.sel(algorithm="bridge").mean())
+            lines.append(
+                f"  {settings['varied']} {label}: cumulative regret {told}; offline set of "
+                f"{float(own.offline_set_count.mean()):.1f} candidates, the expert within its radius in "
+                f"{share(own, 'expert_in_ball')} of seeds, its best candidate {best:.2f} a round below the expert; the "
+                f"clone returns {float(own.clone_return.mean()):.2f}."
+            )
+    return "\n".join(lines)
+
+
+def _final(data: xr.Dataset, label: str, name: str) -> Mean:
+    """Final cumulative regret of an algorithm in a variation; nan where it was not run."""
+    own = data.sel(variation=label)
+    if bool(own.suboptimality.sel(algorithm=name).isnull().all()):
+        return Mean(np.nan, np.nan)
+    mean, half = mean_over_seeds(cumulative(own, "suboptimality", name)[:, -1])
+    return Mean(float(mean), float(half))

@@ -1,0 +1,133 @@
+"""The continuous figures show both search spaces, their quick versions run, published curves stay in their place."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("mujoco", reason="continuous control needs MuJoCo, of the extra 'continuous'")
+pytest.importorskip("torch", reason="cloning needs torch, of the extra 'continuous'")
+
+from bridge_algos.continuous.config import ContinuousConfig, continuous_preset
+from bridge_algos.netcdf import load_dataset
+from experiments.published import published_curves
+from experiments.reproduce import configuration, in_all, names, reproduce
+from experiments.studies import mujoco, mujoco_ablation
+
+ALONE = ("ablation-reacher-demonstrations", "ablation-reacher-embeddings", "ablation-reacher-radius")
+TINY = {"small": 3, "large": 3, "rollouts": 4, "rounds": 3, "epochs": 1, "horizon": 8, "n_demonstrations": 2}
+
+
+@pytest.fixture(autouse=True)
+def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("BRIDGE_RL_CACHE", str(tmp_path / "cache"))
+
+
+def tiny(name: str, variations: int = 2) -> dict:
+    described = configuration(name, quick=True)
+    described["settings"]["configuration"] |= TINY
+    if "variations" in described["settings"]:
+        described["settings"]["variations"] = described["settings"]["variations"][:variations]
+    return described
+
+
+def test_full_settings_are_the_published_preset() -> None:
+    for name, environment in (("fig2-reacher", "reacher"), ("fig2-ant", "ant")):
+        settings = configuration(name)["settings"]
+        assert settings["seeds"] == 20
+        assert mujoco.configured(settings) == continuous_preset("published", environment)
+    for name in ALONE:
+        settings = configuration(name)["settings"]
+        base = mujoco.configured(settings)
+        assert base.but(rounds=200) == continuous_preset("published", "reacher")
+        for variation in settings["variations"]:
+            assert isinstance(base.but(**variation["changes"]), ContinuousConfig)
+    assert {"fig2-reacher", "fig2-ant", *ALONE} <= set(names()) - set(in_all())
+
+
+def test_figure_two_shows_both_search_spaces(tmp_path: Path) -> None:
+    described = tiny("fig2-reacher")
+    text = reproduce("fig2-reacher", described, tmp_path, jobs=1)
+    data = load_dataset(tmp_path / "data.nc", "")
+    assert list(data.search.values) == ["without-expert", "with-expert"]
+    assert mujoco.words(data) in text
+    for sentence in ("the expert is not a candidate", "the expert is a candidate, as published", "3 rounds"):
+        assert sentence in text
+    pictures = mujoco.figures(data)
+    assert list(pictures) == ["without-expert", "with-expert", "against-best"]
+    for name in pictures:
+        assert (tmp_path / f"fig2-reacher-{name}.png").stat().st_size > 10_000
+    searched = data.set_size.sel(algorithm="pbrl").isel(round=0)
+    assert bool((searched.sel(search="with-expert") == searched.sel(search="without-expert") + 1).all())
+    before = (tmp_path / "data.nc").read_bytes()
+    assert reproduce("fig2-reacher", described, tmp_path, jobs=1) == text
+    assert (tmp_path / "data.nc").read_bytes() == before
+
+
+def test_published_curves_are_drawn_only_beside_their_own_setting() -> None:
+    curves = published_curves("reacher")
+    assert curves is not None
+    assert (curves["rounds"], curves["seeds"]) == (200, 20)
+    settings = configuration("fig2-reacher")["settings"]
+    data = synthetic(settings, curves["rounds"])
+    pictures = mujoco.figures(data)
+    drawn = {name: [line.get_label() for line in picture.axes[0].get_lines()] for name, picture in pictures.items()}
+    assert "BRIDGE, published" in drawn["with-expert"]
+    assert "BRIDGE, published" not in drawn["without-expert"]
+    assert "best candidate" in drawn["against-best"]
+    text = mujoco.words(data)
+    assert "published 84.44 ± 23.21, ours" in text
+    # every round's regret is -1 on two seeds: clipped at zero it would be none
+    assert "clipped at zero in every round, as published, ours would read 0.00" in text
+
+
+def synthetic(settings: dict, rounds: int):  # type: ignore[no-untyped-def]
+    """A data set of the study's form whose regret is -1 in every round."""
+    import xarray as xr
+
+    algorithms = ["bridge", "pbrl", "bc"]
+    shape = (2, 2, 3, rounds)
+    dims = ("search", "seed", "algorithm", "round")
+    noise = np.random.default_rng(0).normal(size=(2, 2)) * 0.01
+    variables = {
+        name: (dims, np.full(shape, value))
+        for name, value in (
+            ("suboptimality", -1.0),
+            ("pseudo_regret", 1.0),
+            ("set_size", 3.0),
+            ("cumulative_error", 0.1),
+        )
+    }
+    scalars = "expert_return clone_return clone_gap_error likelihood held_out_likelihood radius offline_set_count"
+    scalars += " expert_distance expert_in_ball feature_error observed_bound largest_coordinate"
+    variables |= dict.fromkeys(scalars.split(), (("search", "seed"), 1.0 + noise))
+    variables["best_candidate"] = (("search", "seed", "algorithm"), np.zeros((2, 2, 3)))
+    coordinates = {"search": list(mujoco.SEARCHES), "seed": [0, 1], "algorithm": algorithms}
+    attributes = {"settings": json.dumps(settings), "caveats": "[]"}
+    return xr.Dataset(variables, coordinates | {"round": np.arange(1, rounds + 1)}, attributes)
+
+
+@pytest.mark.parametrize("name", ["ablation-reacher-radius", "ablation-reacher-demonstrations"])
+def test_ablations_run_and_leave_out_what_was_not_run(name: str, tmp_path: Path) -> None:
+    described = tiny(name)
+    text = reproduce(name, described, tmp_path, jobs=1)
+    data = load_dataset(tmp_path / "data.nc", "")
+    labels = [variation["label"] for variation in described["settings"]["variations"]]
+    assert list(data.variation.values) == labels
+    assert "nan" not in text
+    last = [line for line in text.splitlines() if f"{described['settings']['varied']} {labels[-1]}:" in line]
+    assert len(last) == 2
+    assert all(("pbrl" in line) == (name != "ablation-reacher-radius") for line in last)
+    assert list(mujoco_ablation.figures(data)) == ["without-expert", "with-expert"]
+
+
+def test_a_damaged_result_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    from experiments.cli import main as command
+
+    directory = tmp_path / "fig2-reacher-quick" / "without-expert"
+    directory.mkdir(parents=True)
+    (directory / "configuration.json").write_text("{}")
+    (directory / "seed-00000.nc").write_text("nothing")
+    assert command(["reproduce", "fig2-reacher", "--quick", "--out", str(tmp_path)]) == 2
+    assert "names no environment" in capsys.readouterr().err

@@ -131,6 +131,7 @@ def test_every_artist_has_its_counterpart() -> None:
     lines.plot(x, y, "--", color="#0072B2", label=r"BRIDGE, $\gamma_t$")
     lines.fill_between(x, y - 0.5, y + 1, color="#0072B2", alpha=0.2, linewidth=0)
     lines.errorbar(x, 2 * y, yerr=[[0.1, 0.2, 0.3], [1, 2, 3]], color="#D55E00", label="PbRL")
+    lines.errorbar(x, 2.5 * y, yerr=0.1, errorevery=2, color="#CC79A7", label="published")
     lines.scatter(x, 3 * y, color="#009E73", label="BC")
     lines.bar(x, 0.5 * y, width=0.3, color="#56B4E9", label="share")
     lines.axhline(0, color="k", label="expert")
@@ -143,19 +144,16 @@ def test_every_artist_has_its_counterpart() -> None:
     for panel in (first, second):
         go.Figure({"data": panel["data"], "layout": panel["layout"]})  # refuses what plotly does not know
     by_name: dict[str, Any] = {trace["name"]: trace for trace in first["data"] if trace["name"]}
-    assert list(by_name) == [
-        "PbRL",
-        "share",
-        "BRIDGE, γ<sub><i>t</i></sub>",
-        "BC",
-        "expert",
-    ]
+    assert list(by_name) == ["PbRL", "published", "share", "BRIDGE, γ<sub><i>t</i></sub>", "BC", "expert"]
     curve = by_name["BRIDGE, γ<sub><i>t</i></sub>"]
     assert (curve["x"], curve["y"], curve["line"]["dash"]) == (x.tolist(), y.tolist(), "dash")
     assert curve["customdata"] == [[0.5, 2.0], [1.5, 3.0], [3.5, 5.0]]
     bars = by_name["PbRL"]["error_y"]
     np.testing.assert_allclose(bars["array"], [1, 2, 3])
     np.testing.assert_allclose(bars["arrayminus"], [0.1, 0.2, 0.3])
+    some = [trace for trace in first["data"] if trace["meta"]["group"] == "published"]
+    assert [trace.get("error_y") for trace in some] == [None, None]
+    assert some[1]["y"] == [2.4, 2.6, None, 9.9, 10.1, None]
     assert by_name["BC"]["mode"] == "markers"
     assert by_name["share"]["y"] == (0.5 * y).tolist()
     assert by_name["expert"]["x"] == [1, 100]
@@ -208,7 +206,8 @@ const frame = () => new Promise((done) => setTimeout(done, 60));
 const look = async () => {
   while (!document.documentElement.dataset.drawn) await frame();
   const figures = [...document.querySelectorAll('figure.interactive')];
-  const blank = [...document.querySelectorAll('.panel')].filter((p) => !p.querySelector('.trace, .heatmaplayer image')).length;
+  const drawn = '.trace, .heatmaplayer image';
+  const blank = [...document.querySelectorAll('.panel')].filter((p) => !p.querySelector(drawn)).length;
   const figure = figures.find((f) => f.querySelector('.legend'));
   const box = figure.querySelector('.panel'), drag = box.querySelector('.nsewdrag').getBoundingClientRect();
   box.querySelector('.nsewdrag').dispatchEvent(new MouseEvent('mousemove', {

@@ -240,11 +240,10 @@ def test_a_browser_draws_the_page_without_an_error(document: str, tmp_path: Path
     frame.write_text(f'<body style="margin:0"><iframe src="report.html" width="{width}" height="900"></iframe>')
     seen = subprocess.run(
         [str(CHROMIUM), *FLAGS, f"--user-data-dir={tmp_path / 'profile'}", "--window-size=1200,1000",
-         "--virtual-time-budget=30000", f"--screenshot={tmp_path / 'page.png'}", frame.as_uri()],
+         "--virtual-time-budget=30000", "--dump-dom", frame.as_uri()],
         capture_output=True, text=True, timeout=120, check=True,
     )  # fmt: skip
     console = [entry for entry in seen.stderr.splitlines() if "CONSOLE" in entry]
     assert len(console) == 1, console
     expected = f"report: 3 figures, 0 blank, hover true, toggles true, unfolds true, {width} px, 0 too wide, "
     assert f"{expected}scripts undefined" in console[0]
-    assert (tmp_path / "page.png").stat().st_size > 10_000

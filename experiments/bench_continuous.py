@@ -82,6 +82,7 @@ def _compare(environment: Environment, hidden: int, horizon: int, goal: float, r
         "raw limit": (lambda: _raw_steps(environment, starts, episodes), steps),
     }
     with threadpool_limits(1):
+        _step_by_step(environment, policy, starts.seeds[:1].tolist(), horizon)  # torch is loaded and warm
         times = np.array([[_times(work, count) for work, count in ways.values()] for _ in range(repetitions)])
     typical = np.median(times, axis=0)
     rows = [

@@ -89,6 +89,7 @@ def test_memory_does_not_grow_with_the_number_of_policies():
     environment = make_environment("reacher")
     starts = draw_starts(environment, 100, np.random.default_rng(0))
     template = random_policy(environment, 0)
+    made: list[int] = []
 
     class Perturbed(Sequence):
         def __init__(self, count):
@@ -98,8 +99,7 @@ def test_memory_does_not_grow_with_the_number_of_policies():
             return self.count
 
         def __getitem__(self, index):
-            if index >= self.count:
-                raise IndexError(index)
+            made.append(index)
             noise = np.random.default_rng(index).normal(size=template.parameters.shape)
             return template.with_parameters(template.parameters + 0.01 * noise)
 
@@ -114,5 +114,6 @@ def test_memory_does_not_grow_with_the_number_of_policies():
         return most
 
     peak(4)
+    assert made == [0, 1, 2, 3], "each policy is made once, when it is its turn"
     one_policy = 100 * 10 * (10 + 2 + 1) * 8
     assert peak(40) - peak(10) < 5 * one_policy, "30 more policies, if kept, would take 30 times that of one"

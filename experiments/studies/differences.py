@@ -5,8 +5,8 @@ learners (``learner``: lambda of the likelihood apart from that of the data matr
 (``confidence``), the reward of the environment (``reward``: paid for the state departed from), where features are taken
 (``features``: under the real dynamics, as the appendix writes E under P*, instead of the estimate), or what PbRL knows
 (``lent``: the demonstrations' counts); ``without`` leaves an algorithm out. ``scored`` under the real dynamics
-(exactly, or from so many rollouts) and ``counted`` until one policy is left (no regret afterwards) say how the greedy policy is
-evaluated. The variants named "code" take what the paper leaves open from the authors' public code
+(exactly, or from so many rollouts) and ``counted`` until one policy is left (no regret afterwards) say how the greedy
+policy is evaluated. The variants named "code" take what the paper leaves open from the authors' public code
 (github.com/pfriedric/bridge at 54a96a8, which was read, not run). None of this is an option of the package that is
 tuned here: the question is which difference moves which curve, and whether what is published can tell the settings
 apart. Each variant is read in three ways: as we record it (exact), estimated from 1000 rollouts and clipped at zero

@@ -8,7 +8,7 @@ time stand beside them, as these depend less on what else is running.
 
 - "Step by step": ``env.step`` of ``gymnasium.make`` in a Python loop, the policy a torch module that is asked for one
   state at a time.
-- "Batched": this package's ``policy_features`` on two threads.
+- "Batched": this package's ``candidate_features`` on two threads.
 - "Raw limit": ``mj_step`` alone on two threads, driven through the very trajectories of the batched way.
 """
 
@@ -25,11 +25,13 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from bridge_algos.continuous.embeddings import average_state_action
 from bridge_algos.continuous.environments import Environment, draw_starts, make_environment
 from bridge_algos.continuous.episodes import Episodes
+from bridge_algos.continuous.features import candidate_features
 from bridge_algos.continuous.needs import need
 from bridge_algos.continuous.policies import MlpPolicy
-from bridge_algos.continuous.rollouts import policy_features, rollout
+from bridge_algos.continuous.rollouts import rollout
 from bridge_algos.continuous.starts import Starts
 from bridge_algos.mdp import FloatArray
 from experiments.bench import Row
@@ -66,14 +68,21 @@ def _compare(environment: Environment, hidden: int, horizon: int, goal: float, r
             int(episodes.lengths[:few].sum()),
         ),
         "batched": (
-            lambda: policy_features(
-                environment, [policy] * copies, starts, _average_state_action, horizon=horizon, threads=THREADS
+            lambda: candidate_features(
+                environment,
+                [policy] * copies,
+                starts,
+                {"average_state_action": average_state_action},
+                horizon=horizon,
+                cache=None,
+                threads=THREADS,
             ),
             copies * steps,
         ),
         "raw limit": (lambda: _raw_steps(environment, starts, episodes), steps),
     }
     with threadpool_limits(1):
+        _step_by_step(environment, policy, starts.seeds[:1].tolist(), horizon)  # torch is loaded and warm
         times = np.array([[_times(work, count) for work, count in ways.values()] for _ in range(repetitions)])
     typical = np.median(times, axis=0)
     rows = [
@@ -112,10 +121,6 @@ def _random_policy(environment: Environment, hidden: int) -> MlpPolicy:
     sizes = [environment.observation_size, hidden, hidden, environment.action_size]
     weights = [0.3 * rng.normal(size=(a, b)) / a**0.5 for a, b in pairwise(sizes)]
     return MlpPolicy(tuple(weights), tuple(np.zeros(b) for b in sizes[1:]))
-
-
-def _average_state_action(episodes: Episodes) -> FloatArray:
-    return np.concatenate([episodes.states.mean(axis=1), episodes.actions.mean(axis=1)], axis=1)
 
 
 def _step_by_step(environment: Environment, policy: MlpPolicy, seeds: list[int], horizon: int) -> FloatArray:

@@ -163,6 +163,29 @@ def test_the_certified_curve_is_that_of_the_checker(logged):
         assert "played" not in rows_of(found)  # contained in the certified minimum
 
 
+@pytest.mark.parametrize(
+    ("settings", "reason"),
+    [({"noise": 0.95}, "noisy demonstrations"), ({"expert": "finite-horizon-lp"}, "the expert is time-dependent")],
+)
+def test_a_certificate_is_about_the_policies_searched(tmp_path, settings, reason):
+    """Where the best policy may not be searched, a regret above the certificate's bound refutes nothing."""
+    run(preset("theory", "starmdp").but(algorithms=("bridge-known",), rounds=6, **settings), tmp_path, 4, log=True)
+    (found,) = compare(tmp_path)
+    row = rows_of(found)["certified"]
+    assert any(reason in missing for missing in row.curve.missing)
+    assert "noise" not in settings or row.exceeded > 0
+    assert row.verdict in ("informative", "vacuous", "below, not about this run")
+    assert "is violated" not in words(found)
+
+
+def test_a_certificate_in_a_ball_adds_the_failure_of_the_ball(tmp_path):
+    run(preset("theory", "starmdp").but(algorithms=("bridge-known",), rounds=2, radius="stated"), tmp_path, 1, log=True)
+    (found,) = compare(tmp_path)
+    row = rows_of(found)["certified"]
+    assert row.curve.failure == pytest.approx(0.1)
+    assert not row.curve.missing
+
+
 def test_a_tampered_log_gives_no_certified_curve(logged, tmp_path):
     shutil.copytree(logged, tmp_path / "copy")
     victim = log_files(tmp_path / "copy")[1]

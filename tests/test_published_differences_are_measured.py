@@ -5,12 +5,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from bridge_algos.online.loop import OnlineProblem
+from bridge_algos.policies import all_policies
 from bridge_algos.run.config import preset
 from bridge_algos.run.seed import run_seed
-from bridge_algos.run.world import build_world
+from bridge_algos.run.world import build_oracle, build_world
 from experiments.published import ALGORITHMS
 from experiments.reproduce import configuration
-from experiments.studies.differences import compute, expert_conventions, words
+from experiments.studies.differences import _real_scores, _until_decided, compute, expert_conventions, words
 from experiments.studies.differences_report import agreeing_rounds, effect, total
 
 
@@ -53,10 +55,11 @@ def test_effects_and_agreement_are_counted_right(data) -> None:
 
 
 def test_every_variant_of_the_configuration_is_distinct_and_playable() -> None:
+    known = {"config", "learner", "confidence", "reward", "features", "lent", "without", "scored", "counted"}
     variants = configuration("published-differences")["settings"]["variants"]
     assert len({repr(changes) for changes in variants.values()}) == len(variants)
     for changes in variants.values():
-        assert set(changes) <= {"config", "learner", "confidence", "reward", "features", "lent", "without"}
+        assert set(changes) <= known
         preset("published", "starmdp").but(**changes.get("config", {}))
 
 
@@ -71,3 +74,20 @@ def test_words_name_what_remains(data, tmp_path: Path) -> None:
     text = words(data)
     for part in ("as documented", "21.12 ± 4.51", "agree with both published totals", "24.649", "Not stated"):
         assert part in text
+
+
+def test_a_stopped_seed_is_padded_with_zeros_as_in_the_public_code() -> None:
+    found, size = _until_decided(np.array([3.0, 2.0, 1.0, 4.0]), np.array([5, 1, 2, 1]))
+    assert found.tolist() == [3.0, 2.0, 0.0, 0.0]
+    assert size.tolist() == [5, 1, 1, 1]
+
+
+def test_scores_under_the_real_dynamics_are_estimated_by_rollouts() -> None:
+    config = preset("published", "starmdp")
+    world = build_world(config)
+    problem = OnlineProblem(world.mdp, world.embedding, build_oracle(config, world), world.optimum, 0.0)
+    policies, w = all_policies(5, 4)[:50], np.random.default_rng(3).normal(size=9)
+    exact = _real_scores(problem, policies, None, np.random.default_rng(0), w)
+    sampled = _real_scores(problem, policies, 4000, np.random.default_rng(0), w)
+    assert np.abs(exact - sampled).max() < 0.5
+    assert np.abs(exact - sampled).max() > 0

@@ -72,7 +72,7 @@ class PpoSettings:
 
 PRESETS = {
     "reacher": PpoSettings(horizon=50, episodes=128, iterations=300),
-    "ant": PpoSettings(horizon=100, episodes=32, iterations=1000, minibatch=160, rate=4e-4, least_std=0.1, coarse=600),
+    "ant": PpoSettings(horizon=100, episodes=80, iterations=1000, least_std=0.1, coarse=300),
 }
 
 

@@ -12,7 +12,7 @@ import threading
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -27,21 +27,6 @@ from bridge_theory.errors import InputError
 
 BLOCK = 50
 _QUEUED_PER_THREAD = 4
-
-
-@dataclass(frozen=True, eq=False)
-class PolicyFeatures:
-    """Monte-Carlo estimates of N policies' features, from n episodes each.
-
-    Args:
-        mean: (N, d) means over the episodes.
-        standard_error: (N, d) standard errors of the means; nan when n = 1.
-        returns: (N, n) the episodes' sums of rewards; column i belongs to start i, for all policies.
-    """
-
-    mean: FloatArray
-    standard_error: FloatArray
-    returns: FloatArray
 
 
 def rollout(
@@ -87,45 +72,10 @@ def map_rollouts(
         InputError: a horizon out of range, a policy without ``std`` though ``rng`` is given, or a policy whose actions
             have another shape or are not finite.
     """
-    results: list[list[FloatArray]] = [[] for _ in policies]
+    results: list[list[FloatArray]] = [[] for _ in range(len(policies))]  # a lazy sequence is not to be gone through
     for index, values in _items(environment, policies, starts, function, horizon, rng, threads, progress):
         results[index].append(values)
     return np.stack([np.concatenate(blocks) for blocks in results])
-
-
-def policy_features(
-    environment: Environment,
-    policies: Sequence[Policy],
-    starts: Starts,
-    embedding: Callable[[Episodes], FloatArray],
-    *,
-    horizon: int | None = None,
-    rng: np.random.Generator | None = None,
-    threads: int | None = None,
-    progress: bool = False,
-) -> PolicyFeatures:
-    r"""Estimates of :math:`\phi(\pi) = E_{\tau \sim \pi}[\phi(\tau)]` with standard errors, and all returns.
-
-    Args:
-        embedding: from m episodes to (m, d) features; the other arguments are those of :func:`map_rollouts`.
-    """
-
-    def features_and_returns(episodes: Episodes) -> FloatArray:
-        return np.column_stack([embedding(episodes), episodes.returns])
-
-    n = len(starts)
-    means, errors, returns = [], [], []
-    blocks: list[FloatArray] = []
-    for _, values in _items(environment, policies, starts, features_and_returns, horizon, rng, threads, progress):
-        blocks.append(values)
-        if sum(map(len, blocks)) == n:
-            table = np.concatenate(blocks)
-            features = table[:, :-1]
-            means.append(features.mean(axis=0))
-            errors.append(features.std(axis=0, ddof=1) / np.sqrt(n) if n > 1 else np.full(features.shape[1], np.nan))
-            returns.append(table[:, -1])
-            blocks = []
-    return PolicyFeatures(np.array(means), np.array(errors), np.array(returns))
 
 
 def _items(

@@ -61,6 +61,7 @@ class Confidence:
         matrix: which differences enter the data matrix, the ``"observed"`` ones of trajectories or the ``"expected"``
             ones of policies.
         initial_scale: the matrix starts as this multiple of the identity.
+        pair_bonus: factor on the bonuses where the pair is chosen; Pi_t takes them as they are.
         needs_history: whether the multiplier needs the occupancies and counts of the pairs played so far.
         needs_error: whether it needs the solver's error.
     """
@@ -72,6 +73,7 @@ class Confidence:
     bonus_cap: float
     matrix: Literal["observed", "expected"]
     initial_scale: float
+    pair_bonus: float = 1.0
     needs_history: bool = False
     needs_error: bool = False
 

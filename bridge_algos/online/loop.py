@@ -230,7 +230,8 @@ def run_online(
         upper, lower = scores + view.bonus, scores - view.bonus
         keeps = surviving(upper, lower[:-1], z, gamma, z[:-1])
         kept, optimum_kept = keeps[:-1], bool(keeps[-1])
-        first, second = choose_pair(learner.pair_rule, kept, scores[:-1], z[:-1], gamma, view.bonus[:-1], rng)
+        bonus = learner.confidence.pair_bonus * view.bonus[:-1]
+        first, second = choose_pair(learner.pair_rule, kept, scores[:-1], z[:-1], gamma, bonus, rng)
         norm, bonuses = float(np.linalg.norm(z[first] - z[second])), view.bonus[first] + view.bonus[second]
         log_det = state.log_det
         before = view

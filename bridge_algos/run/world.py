@@ -22,6 +22,8 @@ from bridge_theory.errors import InputError
 MOST_STEPS = 10**8
 """Recorded steps that fit into memory."""
 
+EXPELLED = "noisy demonstrations can expel the expert from the offline set"
+
 
 @dataclass(frozen=True, eq=False)
 class World:
@@ -83,7 +85,7 @@ def caveats(config: RunConfig, world: World) -> list[str]:
         "features are sampled, and their error is in no bound": config.rollouts is not None,
         "the transition bonus holds for counts, not for a network": config.transition_model == "mlp",
         "the stated multiplier and bonuses are not proved": config.confidence == "stated",
-        "noisy demonstrations can expel the expert from the offline set": config.noise > 0,
+        EXPELLED: config.noise > 0,
     }
     return [reason for reason, holds in broken.items() if holds]
 

@@ -3,8 +3,16 @@
 from __future__ import annotations
 
 from bridge_algos.run.config import RADII
-from bridge_algos.run.world import caveats
+from bridge_algos.run.world import EXPELLED, caveats
 from experiments.compare.subject import Subject
+
+
+def missing_of_certified(subject: Subject) -> tuple[str, ...]:
+    """What a certificate needs beyond its log, so that its comparator is the policy that our regret is against.
+
+    The checker bounds the regret against the best of the policies searched, and judges everything else by itself.
+    """
+    return tuple(_of_the_search(subject) + [EXPELLED] * (subject.config.noise > 0))
 
 
 def missing_of_repaired(subject: Subject) -> tuple[str, ...]:
@@ -38,10 +46,19 @@ def missing_of_stated(subject: Subject) -> tuple[str, ...]:
 
 
 def _of_every_theorem(subject: Subject) -> list[str]:
-    config, world = subject.config, subject.world
-    found = caveats(config.but(confidence="repaired"), world)  # the confidence sets themselves are judged above
-    if not world.expert.is_maximiser:
+    # the confidence sets themselves are judged above
+    return caveats(subject.config.but(confidence="repaired"), subject.world) + _of_the_search(subject)
+
+
+def _of_the_search(subject: Subject) -> list[str]:
+    """Why the best stationary policy may not be among the policies searched, noise aside."""
+    config, world, found = subject.config, subject.world, []
+    if world.demonstrations is not None:
+        found.append("a file does not show whether its demonstrations come from the best policy")
+    elif not world.expert.is_maximiser:
         found.append("the expert is not certified to be the best policy")
+    elif world.expert.policy.ndim == 2:
+        found.append("the expert is time-dependent, so that the best stationary policy may disagree with it")
     if config.candidates != "exact" or bool((subject.results.offline_set_count > config.candidate_limit).any()):
         found.append("only a sample of the offline set was searched")
     if config.radius not in RADII:

@@ -101,7 +101,7 @@ def _empirical_label(comparison: Comparison) -> str:
 
 
 def _floor(comparison: Comparison) -> float:
-    """A tenth of the smallest positive mean regret: below, a logarithmic axis would only show noise."""
+    """A third of the smallest positive mean regret: below, a logarithmic axis would only show noise."""
     positive = comparison.empirical.mean[comparison.empirical.mean > 0]
     smallest = float(positive.min()) if len(positive) else comparison.trivial / 1e3
     return max(smallest / 3, comparison.trivial / 1e5)

@@ -13,9 +13,9 @@ import xarray as xr
 from bridge_algos.evaluation import rounding_allowance
 from bridge_algos.expert.dynamic_programming import backward_induction
 from bridge_algos.mdp import FloatArray, IntArray
-from bridge_algos.offline.radius import minimum_visitation
 from bridge_algos.run.config import RunConfig
 from bridge_algos.run.configuration import read_configuration
+from bridge_algos.run.setting import theory_setting
 from bridge_algos.run.store import load_run
 from bridge_algos.run.world import World, build_world
 from bridge_theory.errors import InputError
@@ -86,22 +86,10 @@ class Subject:
 
     @cached_property
     def setting(self) -> Setting:
-        """The parameters of the formulas, without T; decimals of the configuration are exact decimals."""
-        config, mdp, embedding = self.config, self.world.mdp, self.world.embedding
-        delta = repr(config.delta)
-        return Setting(
-            S=mdp.n_states,
-            A=mdp.n_actions,
-            H=mdp.horizon,
-            n=config.n_demonstrations if self.world.demonstrations is None else len(self.world.demonstrations),
-            K=config.comparisons,
-            d=embedding.dimension,
-            B=embedding.bound,
-            W=self.world.weight_bound if config.weight_bound is None else repr(config.weight_bound),
-            lam=repr(config.lam),
-            gamma_min=minimum_visitation(mdp.dynamics, self.world.expert.policy),
-            delta=delta,
-            **{f"delta_{event}": delta for event in ("off", "w", "F", "P", "M")},
+        """The parameters of the formulas, without T; every event of a bound may fail with probability delta."""
+        delta = repr(self.config.delta)
+        return theory_setting(self.config, self.world).replace(
+            **{f"delta_{event}": delta for event in ("off", "w", "F", "P", "M")}
         )
 
 

@@ -16,7 +16,7 @@ import bridge_theory as theory
 from bridge_algos.mdp import FloatArray
 from bridge_theory.bound import Bound, Rate
 from bridge_theory.errors import InputError
-from experiments.compare.applicability import missing_of_repaired, missing_of_stated
+from experiments.compare.applicability import missing_of_certified, missing_of_repaired, missing_of_stated
 from experiments.compare.certificates import CHECKER, SOURCE, certified
 from experiments.compare.subject import Subject
 
@@ -95,7 +95,9 @@ def _trivial(subject: Subject, label: str) -> Curve:
 def _certified(subject: Subject, label: str) -> Curve:
     seeds = [int(seed) for seed in subject.results.seed.values]
     values, failure = certified(subject.certificates, subject.algorithm, seeds)
-    return Curve("certified", label, SOURCE, CHECKER, subject.at_rounds(values), failure)
+    missing = missing_of_certified(subject)
+    curve = Curve("certified", label, SOURCE, CHECKER, subject.at_rounds(values), failure, missing)
+    return curve if subject.config.radius == "zero" else _with_offline_set(curve, subject)
 
 
 def _apriori(subject: Subject, label: str) -> Curve:
@@ -107,7 +109,12 @@ def _apriori(subject: Subject, label: str) -> Curve:
     bound = theory.regret_known_repaired if subject.known else theory.regret_unknown_repaired
     largest = 2 * subject.world.embedding.bound  # nothing is known of the set
     curve = _curve(subject, "a-priori", label, bound, missing, Delta_n=1.0, diameter=largest)
-    return replace(curve, failure=min(1.0, (curve.failure or 0) + subject.config.delta))  # that of the offline set
+    return _with_offline_set(curve, subject)
+
+
+def _with_offline_set(curve: Curve, subject: Subject) -> Curve:
+    """The curve, its failure probability including that the offline set lacks the best policy."""
+    return replace(curve, failure=min(1.0, (curve.failure or 0) + subject.config.delta))
 
 
 def _stated(subject: Subject, label: str) -> Curve:

@@ -87,17 +87,17 @@ def _empirical_sentence(comparison: Comparison) -> str:
 def _row_sentence(comparison: Comparison, row: Row) -> str:
     label, missing = f"'{row.curve.label}' ({row.curve.source})", "; ".join(row.curve.missing)
     mean = float(comparison.empirical.mean[-1])
-    if row.verdict == "violated":
+    if row.verdict == "violated" and comparison.empirical.replay is not None:
         since = f", certified from round {row.violated_from:,} on" if row.violated_from else ""
-        why = (
-            "the run is deterministic"
-            if comparison.empirical.replay is not None
-            else f"{row.exceeded} of {comparison.empirical.seeds} seeds exceed it, hence at least a share "
-            f"{row.chance:.2g} of all runs with 95 % confidence, where {row.curve.failure:.2g} is allowed"
-        )
         return (
             f"{label} is violated: regret {_number(mean)} where {_number(row.value)} is claimed, "
-            f"{_number(1 / row.ratio)} times as much ({why}{since}).{_ledger(row)}"
+            f"{_number(1 / row.ratio)} times as much (the run is deterministic{since}).{_ledger(row)}"
+        )
+    if row.verdict == "violated":
+        return (
+            f"{label} is violated: {row.exceeded} of {comparison.empirical.seeds} seeds exceed it, hence at least a "
+            f"share {row.chance:.2g} of all runs with 95 % confidence, where {row.curve.failure:.2g} is allowed."
+            f"{_ledger(row)}"
         )
     if row.verdict == "below, not about this run":
         return (
@@ -135,7 +135,8 @@ def _ledger(row: Row) -> str:
 def _holds(curve: Curve) -> str:
     if curve.failure is None:
         return ""
-    return "always" if curve.failure == 0 else f">= {max(0.0, 1 - curve.failure):.3g}"
+    claimed = "claimed " if curve.kind in ("stated", "stated-sums") else ""
+    return "always" if curve.failure == 0 else f"{claimed}>= {max(0.0, 1 - curve.failure):.3g}"
 
 
 def _band(comparison: Comparison) -> str:

@@ -15,6 +15,7 @@ import xarray as xr
 from bridge_algos.netcdf import load_dataset, short_text
 from bridge_algos.run import plots
 from bridge_algos.run.config import RunConfig
+from bridge_algos.run.configuration import read_configuration
 from bridge_algos.run.store import load_run, seed_files
 from bridge_algos.run.summary import table
 from bridge_theory.errors import InputError
@@ -34,7 +35,7 @@ class Item:
         title: of the figure or run.
         settings: what was asked for, JSON values by name.
         versions: of the packages that made it, as JSON text.
-        configuration: of the run behind it, where there is one.
+        configuration: of the tabular run behind it, where there is one.
         words: what was found.
         figures: matplotlib figures by suffix.
     """
@@ -93,7 +94,7 @@ def _item(place: Path, root: Path) -> Item:
             str(data.attrs["title"]),
             settings,
             str(data.attrs["versions"]),
-            RunConfig.from_json(json.dumps(described)) if described is not None else None,
+            None if described is None else _tabular(json.dumps(described)),
             study.words(data),
             study.figures(data),
         )
@@ -103,12 +104,19 @@ def _item(place: Path, root: Path) -> Item:
 
 def _run(name: str, place: Path) -> Item:
     data = load_run(place)
-    configuration = RunConfig.from_json(data.attrs["configuration"])
+    configuration = read_configuration(data.attrs["configuration"])
     settings = {"seeds": data.sizes["seed"], "configuration": json.loads(data.attrs["configuration"])}
     versions = str(data.attrs.get("versions", "various versions"))
     title = f"Run on {configuration.environment}"
     pictures = {"": plots.figure(data)}
-    return Item(name, place, data, title, settings, versions, configuration, table(data), pictures)
+    tabular = _tabular(data.attrs["configuration"])
+    return Item(name, place, data, title, settings, versions, tabular, table(data), pictures)
+
+
+def _tabular(text: str) -> RunConfig | None:
+    """The configuration of a tabular run; the theory here is about no other."""
+    configuration = read_configuration(text)
+    return configuration if isinstance(configuration, RunConfig) else None
 
 
 def _study(path: Path, name: str) -> Any:

@@ -46,7 +46,7 @@ def _panel(axes: Any) -> Spec:
     done: set[int] = set()
     for container in axes.containers:
         if isinstance(container, ErrorbarContainer):
-            data += [_error_bars(container)] if container.lines[0] is not None else map(_segments, container.lines[2])
+            data += _error_bars(container)
         elif isinstance(container, BarContainer):
             data.append(_bars(container))
         else:
@@ -200,18 +200,25 @@ def _trace(x: Any, y: Any, label: object, colour: str) -> Spec:
     }
 
 
-def _error_bars(container: Any) -> Spec:
+def _error_bars(container: Any) -> list[Spec]:
+    """A curve with its bars; bars without points, or at some points only, are a curve of their own."""
     line, _, bars = container
+    if line is None:
+        return [_segments(collection) for collection in bars]
     trace = _line(line.axes, line)
     label = container.get_label()
     trace |= {
         key: value for key, value in _trace([], [], label, "").items() if key in ("name", "meta", "hovertemplate")
     }
+    traces = [trace]
     directions = [name for name, has in (("x", container.has_xerr), ("y", container.has_yerr)) if has]
     for direction, collection in zip(directions, bars, strict=True):
         column = 0 if direction == "x" else 1
         ends = np.array([segment[:, column] for segment in collection.get_segments()])
         middle = np.asarray(line.get_data()[column], float)
+        if len(ends) != len(middle):
+            traces.append(_segments(collection) | {"meta": trace["meta"], "hoverinfo": "skip"})
+            continue
         trace[f"error_{direction}"] = {
             "type": "data",
             "symmetric": False,
@@ -221,7 +228,7 @@ def _error_bars(container: Any) -> Spec:
             "thickness": 1.2,
             "width": 3,
         }
-    return trace
+    return traces
 
 
 def _bars(container: Any) -> Spec:

@@ -4,10 +4,13 @@ A variant changes what ``configs/published-differences.json`` says: entries of t
 learners (``learner``: lambda of the likelihood apart from that of the data matrix), of their confidence sets
 (``confidence``), the reward of the environment (``reward``: paid for the state departed from), where features are taken
 (``features``: under the real dynamics, as the appendix writes E under P*, instead of the estimate), or what PbRL knows
-(``lent``: the demonstrations' counts); ``without`` leaves an algorithm out. None of this is an option of the package
-that is tuned here: the question is which difference moves which curve, and whether what is published can tell the
-settings apart. Each variant is read in three ways: as we record it (exact), estimated from 1000 rollouts and clipped at
-zero (``clipped``), and with the greedy policy measured before the round's answer (``before``).
+(``lent``: the demonstrations' counts); ``without`` leaves an algorithm out. ``scored`` under the real dynamics
+(exactly, or from so many rollouts) and ``counted`` until one policy is left (no regret afterwards) say how the greedy
+policy is evaluated. The variants named "code" take what the paper leaves open from the authors' public code
+(github.com/pfriedric/bridge at 54a96a8, which was read, not run). None of this is an option of the package that is
+tuned here: the question is which difference moves which curve, and whether what is published can tell the settings
+apart. Each variant is read in three ways: as we record it (exact), estimated from 1000 rollouts and clipped at zero
+(``clipped``), and with the greedy policy measured before the round's answer (``before``).
 """
 
 from __future__ import annotations
@@ -21,10 +24,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from bridge_algos.embeddings import Embedding, expected_features, sampled_features
 from bridge_algos.envs.registry import make_mdp
 from bridge_algos.evaluation import expected_return, expected_returns
 from bridge_algos.mdp import FloatArray, IntArray, TabularMDP
 from bridge_algos.online.loop import OnlineProblem, run_online
+from bridge_algos.online.policy_filter import first_best
 from bridge_algos.policies import all_policies
 from bridge_algos.run.config import preset
 from bridge_algos.run.learners import make_learner
@@ -79,16 +84,47 @@ def play(cell: Cell) -> xr.Dataset:
                 learner = replace(learner, estimate=partial(_real, mdp))
             if changes.get("lent"):
                 learner = replace(learner, counts=stage.transitions)
-            record = run_online(problem, learner, config.rounds, stream(seed, name))
-            first = expert - expected_returns(mdp, learner.policies[:1])
-            curves["exact"][i, seed] = record["suboptimality"]
-            curves["before"][i, seed] = np.concatenate([first, record["suboptimality"][:-1]])
-            curves["set_size"][i, seed] = record["set_size"]
+            weights: list[FloatArray] = []
+            log = partial(_keep, weights) if "scored" in changes else None
+            record = run_online(problem, learner, config.rounds, stream(seed, name), log)
+            losses = expert - expected_returns(mdp, learner.policies)
+            found, size = record["suboptimality"], record["set_size"]
+            if log is not None:
+                fresh = np.random.default_rng([seed, i, 1])
+                scores = partial(_real_scores, problem, learner.policies, changes["scored"], fresh)
+                found = losses[[first_best(scores(w)) for w in weights]]
+            if changes.get("counted") == "until decided":
+                found, size = _until_decided(found, size)
+            curves["exact"][i, seed] = found
+            curves["before"][i, seed] = np.concatenate([losses[:1], found[:-1]])
+            curves["set_size"][i, seed] = size
     curves["clipped"] = clipped_mean(curves["exact"], evaluation_noise(mdp))
     return xr.Dataset(
         {name: (("algorithm", "seed", "round"), values) for name, values in curves.items()},
         coords={"algorithm": list(ALGORITHMS), "round": np.arange(1, config.rounds + 1)},
     )
+
+
+def _keep(weights: list[FloatArray], entry: dict[str, Any]) -> None:
+    weights.append(entry["w_next"])
+
+
+def _real_scores(
+    problem: OnlineProblem, policies: IntArray, rollouts: int | None, rng: np.random.Generator, w: FloatArray
+) -> FloatArray:
+    """Scores under the real dynamics: exact, or from fresh rollouts of every policy."""
+    dynamics, embedding = problem.mdp.dynamics, problem.embedding
+    if rollouts is None:
+        assert isinstance(embedding, Embedding)
+        return np.asarray(expected_features(dynamics, policies, embedding)[0] @ w)
+    return np.asarray(sampled_features(dynamics, policies, embedding, rollouts, rng).means @ w)
+
+
+def _until_decided(found: FloatArray, size: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """As the authors' public code pads a seed that stops: no regret once a single policy is left."""
+    alone = np.logical_or.accumulate(size == 1)
+    stopped = np.concatenate([[alone[0]], alone[:-1]])
+    return np.where(stopped, 0.0, found), np.where(alone, 1.0, size)
 
 
 def _real(mdp: TabularMDP, counts: IntArray) -> FloatArray:

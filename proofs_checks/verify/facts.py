@@ -19,9 +19,9 @@ from proofs_checks.verify.features import Coordinates, IntArray, coordinates
 
 ALGORITHMS = ("bridge", "bridge-known", "pbrl")
 MOST_PAIRS = 3 * 10**10
-"""Pairs of policies that are compared in one log: some minutes."""
+"""Pairs of policies that are compared in one log: about ten minutes."""
 MOST_RESIDUALS = 10**7
-"""Terms of all estimating equations together: some minutes."""
+"""Comparisons in the estimating equations of all rounds together: about a minute."""
 
 _CHOICES = {
     "confidence": ("fixed", "stated", "repaired"),

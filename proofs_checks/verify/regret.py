@@ -14,6 +14,7 @@ arg-max pair, and it needs no arg-max.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,13 +54,13 @@ class View:
         _, highest = worst_margins(self.scores, self.whitened, enlarged(stretched), self.bonus)
         return np.asarray(highest >= 0)
 
-    @property
+    @cached_property
     def scores(self) -> Enclosed:
         """<phi(pi), w> of all candidates, (N,)."""
         column = product(self.features, Enclosed(self.w[:, None], 0.0))
         return Enclosed(column.mid[:, 0], column.rad)
 
-    @property
+    @cached_property
     def whitened(self) -> Enclosed:
         """L phi(pi) of all candidates, (N, d)."""
         return self.matrix.whitened(self.features)

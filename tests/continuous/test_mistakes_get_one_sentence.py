@@ -13,7 +13,7 @@ from networks import random_policy
 
 from bridge_algos.continuous.environments import draw_starts, make_environment
 from bridge_algos.continuous.episodes import load_episodes
-from bridge_algos.continuous.rollouts import map_rollouts, policy_features, rollout
+from bridge_algos.continuous.rollouts import map_rollouts, rollout
 from bridge_theory.errors import InputError
 from experiments.cli import main
 
@@ -64,12 +64,6 @@ def test_horizons_and_numbers(reacher, starts):
             rollout(reacher, policy, starts, horizon=horizon)
     with pytest.raises(InputError, match="0 initial states were asked for"):
         draw_starts(reacher, 0, np.random.default_rng(0))
-
-
-def test_one_trajectory_has_no_standard_error(reacher, starts):
-    estimate = policy_features(reacher, [random_policy(reacher, 0)], starts[:1], lambda episodes: episodes.states[:, 0])
-    assert np.isnan(estimate.standard_error).all()
-    assert np.isfinite(estimate.mean).all()
 
 
 @pytest.mark.parametrize("absent", ["mujoco", "gymnasium.envs.mujoco"])

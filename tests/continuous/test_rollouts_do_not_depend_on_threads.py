@@ -13,7 +13,7 @@ from networks import random_policy
 from bridge_algos.continuous.environments import draw_starts, make_environment
 from bridge_algos.continuous.episodes import Episodes
 from bridge_algos.continuous.policies import MlpPolicies
-from bridge_algos.continuous.rollouts import map_rollouts, policy_features, rollout
+from bridge_algos.continuous.rollouts import map_rollouts, rollout
 
 STEPS = {"reacher": 50, "ant": 25}
 
@@ -63,19 +63,11 @@ def test_other_policies_and_further_starts(case):
     np.testing.assert_array_equal(sampled[1].actions, sampled[0].actions[:10, : horizon - 5])
 
 
-def test_estimates_are_those_of_the_episodes(case):
+def test_functions_see_the_episodes(case):
     environment, policies, starts, horizon = case
-
-    def embedding(episodes: Episodes) -> np.ndarray:
-        return episodes.states.mean(axis=1)
-
-    estimate = policy_features(environment, policies, starts, embedding, horizon=horizon)
-    for index, policy in enumerate(policies):
-        episodes = rollout(environment, policy, starts, horizon=horizon)
-        features = embedding(episodes)
-        np.testing.assert_array_equal(estimate.mean[index], features.mean(axis=0))
-        np.testing.assert_array_equal(estimate.standard_error[index], features.std(axis=0, ddof=1) / np.sqrt(70))
-        np.testing.assert_array_equal(estimate.returns[index], episodes.returns)
+    mapped = map_rollouts(environment, policies, starts, everything, horizon=horizon)
+    for values, policy in zip(mapped, policies, strict=True):
+        np.testing.assert_array_equal(values, everything(rollout(environment, policy, starts, horizon=horizon)))
 
 
 def test_actions_of_a_gaussian_policy_have_its_distribution():
@@ -97,6 +89,7 @@ def test_memory_does_not_grow_with_the_number_of_policies():
     environment = make_environment("reacher")
     starts = draw_starts(environment, 100, np.random.default_rng(0))
     template = random_policy(environment, 0)
+    made: list[int] = []
 
     class Perturbed(Sequence):
         def __init__(self, count):
@@ -106,19 +99,21 @@ def test_memory_does_not_grow_with_the_number_of_policies():
             return self.count
 
         def __getitem__(self, index):
+            made.append(index)
             noise = np.random.default_rng(index).normal(size=template.parameters.shape)
             return template.with_parameters(template.parameters + 0.01 * noise)
 
     def last(episodes):
-        return episodes.final_observations
+        return episodes.final_observations[:, :1]
 
     def peak(count):
         tracemalloc.start()
-        policy_features(environment, Perturbed(count), starts, last, horizon=10, threads=2)
+        map_rollouts(environment, Perturbed(count), starts, last, horizon=10, threads=2)
         _, most = tracemalloc.get_traced_memory()
         tracemalloc.stop()
         return most
 
     peak(4)
+    assert made == [0, 1, 2, 3], "each policy is made once, when it is its turn"
     one_policy = 100 * 10 * (10 + 2 + 1) * 8
     assert peak(40) - peak(10) < 5 * one_policy, "30 more policies, if kept, would take 30 times that of one"

@@ -98,7 +98,7 @@ class TestWithMujoco:
             (("reacher", "--demos", str(tmp_path / "demos.npz")), "lacks the arrays"),
             (("reacher", "--set", "horizon=51"), "the horizon is 51, expected 1 to 50"),
             (("reacher", "--set", "embedding=ant_reward"), "has no embedding 'ant_reward'"),
-            (("reacher", "--set", 'oracle_options={"noise": 1}'), "unknown oracle option"),
+            (("reacher", "--set", 'oracle_options={"noise": 1}'), "the oracle has no option 'noise'"),
             (("reacher", "--log"), "leave out --log"),
         ):
             assert sentence in answer(capsys, "run", *arguments, *common)

@@ -12,6 +12,7 @@ from bridge_algos.run.log_file import load_log, log_files
 from bridge_theory.errors import InputError
 from experiments.report.text import table_html
 from proofs_checks.verify import Certificate, verify
+from proofs_checks.verify.certificate import rounded_up
 
 _NAMES = {
     "trivial": "trivial",
@@ -52,9 +53,10 @@ def certificates_html(directory: Path, results: xr.Dataset, most: int) -> str:
 
 def _row(item: Certificate, results: xr.Dataset) -> tuple[str, ...]:
     word = '<b class="says">certified</b>' if item.certified else '<b class="problem">not certified</b>'
-    bounds = [_number(float(item.bounds[name][-1])) if item.certified else "–" for name in _NAMES]
+    bounds = [rounded_up(float(item.bounds[name][-1])) if item.certified else "–" for name in _NAMES]
     failure = f"{item.failure:.3g}" if item.certified else "–"
-    realised = _number(_realised(item.algorithm, item.seed, results))
+    regret = _realised(item.algorithm, item.seed, results)
+    realised = f"{regret:.4g}" if np.isfinite(regret) else "–"
     return (escape(item.algorithm), str(item.seed), word, failure, realised, *bounds)
 
 
@@ -63,10 +65,6 @@ def _realised(algorithm: str, seed: int, results: xr.Dataset) -> float:
         return np.nan
     regret = results.pseudo_regret.sel(algorithm=algorithm, seed=seed).sum()
     return float(regret) * float(results.attrs.get("utility_scale", np.nan))
-
-
-def _number(value: float) -> str:
-    return f"{value:.4g}" if np.isfinite(value) else "–"
 
 
 def _listed(title: str, sentences: list[str]) -> str:

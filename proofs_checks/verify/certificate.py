@@ -85,7 +85,7 @@ def table(certificates: Sequence[Certificate]) -> str:
     """Certificates as text: a row each, then what they rest on, then why some are refused."""
     head = ("seed", "algorithm", "verdict", *BOUNDS, "failure")
     rows = [head] + [
-        (str(c.seed), c.algorithm, "certified", *(_raised(c.bounds[name][-1]) for name in BOUNDS), f"{c.failure:g}")
+        (str(c.seed), c.algorithm, "certified", *(rounded_up(c.bounds[name][-1]) for name in BOUNDS), f"{c.failure:g}")
         if c.certified
         else (str(c.seed), c.algorithm, "NOT CERTIFIED", *("-" for _ in BOUNDS), "-")
         for c in certificates
@@ -109,8 +109,8 @@ def table(certificates: Sequence[Certificate]) -> str:
     return "\n".join([*lines, f"{good} of {len(certificates)} certified"])
 
 
-def _raised(value: float) -> str:
-    """Six significant digits, rounded up."""
+def rounded_up(value: float) -> str:
+    """A bound as text: six significant digits, rounded up, and ``"-"`` where it is infinite."""
     if not isfinite(value):
         return "-"
     return format(Context(prec=6, rounding=ROUND_CEILING).create_decimal(value).normalize(), "f")

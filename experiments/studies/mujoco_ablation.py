@@ -48,9 +48,10 @@ def _figure(data: xr.Dataset, search: str) -> Any:
     shades = matplotlib.colormaps["viridis"](np.linspace(0, 0.85, len(labels)))
     for label, shade in zip(labels, shades, strict=True):
         mean, half = mean_over_seeds(cumulative(data.sel(variation=label), "suboptimality", "bridge"))
-        style = {"label": f"BRIDGE, {settings['varied']} {label}", "color": tuple(shade)}
+        style = {"label": f"{settings['varied']} {label}", "color": tuple(shade)}
         plots.draw_band(curves, rounds, mean, half, style)
     curves.set(xlabel="online round t", ylabel="cumulative regret (reward)", xlim=(rounds[0], rounds[-1]))
+    curves.set_title("BRIDGE", fontsize=9)
     curves.axhline(0, **plots.EXPERT)
     positions = np.arange(len(labels))
     for offset, name in zip((-0.12, 0.0, 0.12), ("bridge", "pbrl", "bc"), strict=True):
@@ -61,7 +62,8 @@ def _figure(data: xr.Dataset, search: str) -> Any:
         errors = np.where(np.isfinite(halves), halves, 0)[there]
         final.errorbar(positions[there] + offset, heights[there], errors, fmt="o", markersize=4, capsize=2, **style)
     final.set(xticks=positions, xlabel=settings["varied"], ylabel=f"cumulative regret after {rounds[-1]} rounds")
-    final.set_xticklabels(labels)
+    final.set_title("every algorithm", fontsize=9)
+    final.set_xticklabels([label.replace("_", "\n") for label in labels])
     final.axhline(0, **plots.EXPERT)
     for axes in (curves, final):
         plots.finish(axes)

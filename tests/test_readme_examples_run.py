@@ -22,7 +22,7 @@ COMMANDS = [
 
 def test_there_are_examples_of_each_use() -> None:
     assert len(PYTHON) >= 2
-    assert {shlex.split(command)[1] for command in COMMANDS} >= {"run", "reproduce", "bounds", "plan"}
+    assert {shlex.split(command)[1] for command in COMMANDS} >= {"run", "verify", "compare", "report", "reproduce", "bounds", "plan"}
 
 
 def execute(arguments: list[str], tmp_path: Path) -> str:
@@ -45,6 +45,6 @@ def test_command(command: str, tmp_path: Path) -> None:
 
 
 def test_pictures_exist() -> None:
-    pictures = re.findall(r"!\[.*?\]\((.*?)\)", README)
+    pictures = re.findall(r"!\[.*?\]\((.*?)\)", README) + re.findall(r"<img src=\"(.*?)\"", README)
     assert pictures
     assert all((ROOT / picture).is_file() for picture in pictures)

@@ -72,7 +72,7 @@ def test_published_curves_are_drawn_only_beside_their_own_setting() -> None:
     settings = configuration("fig2-reacher")["settings"]
     data = synthetic(settings, curves["rounds"])
     pictures = mujoco.figures(data)
-    drawn = {name: [line.get_label() for line in picture.axes[0].get_lines()] for name, picture in pictures.items()}
+    drawn = {name: picture.axes[0].get_legend_handles_labels()[1] for name, picture in pictures.items()}
     assert "BRIDGE, published" in drawn["with-expert"]
     assert "BRIDGE, published" not in drawn["without-expert"]
     assert "best candidate" in drawn["against-best"]

@@ -93,12 +93,12 @@ class TestWithMujoco:
         for arguments, sentence in (
             (("Swimmer-v99",), "there is no environment 'Swimmer-v99'"),
             (("CartPole-v1",), "is not simulated by MuJoCo"),
-            (("reacher", "--expert", str(tmp_path / "missing.safetensors")), "cannot be read"),
+            (("reacher", "--expert", str(tmp_path / "missing.safetensors")), "does not exist"),
             (("reacher", "--expert", str(tmp_path / "expert.safetensors")), "expert.safetensors"),
             (("reacher", "--demos", str(tmp_path / "demos.npz")), "lacks the arrays"),
             (("reacher", "--set", "horizon=51"), "the horizon is 51, expected 1 to 50"),
             (("reacher", "--set", "embedding=ant_reward"), "has no embedding 'ant_reward'"),
-            (("reacher", "--set", 'oracle_options={"noise": 1}'), "unknown oracle option"),
+            (("reacher", "--set", 'oracle_options={"noise": 1}'), "the oracle has no option 'noise'"),
             (("reacher", "--log"), "leave out --log"),
         ):
             assert sentence in answer(capsys, "run", *arguments, *common)

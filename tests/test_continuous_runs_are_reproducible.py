@@ -129,7 +129,12 @@ def _environment() -> dict[str, str]:
 def test_a_result_carries_its_configuration(tmp_path: Path) -> None:
     run(TINY, tmp_path / "run", seeds=1)
     stored = load_run(tmp_path / "run")
-    assert read_configuration(stored.attrs["configuration"]) == TINY
+    described = read_configuration(stored.attrs["configuration"])
+    assert isinstance(described, ContinuousConfig)
+    assert described.expert_digest is not None
+    assert described.but(expert_digest=None) == TINY
+    with pytest.raises(InputError, match="the expert 'reacher' has changed"):
+        run(TINY.but(expert_digest="0"), tmp_path / "run", seeds=1)
     assert isinstance(read_configuration(TINY.to_json()), ContinuousConfig)
     assert all("units" in stored[name].attrs for name in stored.data_vars)
     with pytest.raises(InputError, match="another configuration"):

@@ -63,13 +63,14 @@ class ContinuousConfig(Configuration):
     Args:
         environment: ``"reacher"``, ``"ant"``, or the Gymnasium id of a MuJoCo environment.
         algorithms: which of ``ALGORITHMS`` to run, on the same demonstrations and candidates.
-        expert, expert_digest: file of the expert that demonstrates, and its SHA-256; None for the shipped one.
+        expert, expert_digest: file of the expert that demonstrates, None for the shipped one; and the digest of the
+            policy in it, which a run fills in, so that results of two experts are never mixed.
         include_expert: whether the expert is a candidate. The published runs include it; the default does not, since a
             learner has the expert's demonstrations and not the expert.
         n_demonstrations: n, how many demonstrations the expert gives in each seed.
         held_out: how many more it gives to report the clone's likelihood on; they decide nothing.
         demonstrations, demonstrations_digest: source of demonstrations that all seeds use instead, and the digest of
-            their content; every fifth of them is held out.
+            their content, filled in likewise; every fifth of them is held out.
         horizon: H, after which episodes are cut.
         hidden, epochs, batch, rate, normalise_observations: of the cloning, see
             :func:`bridge_algos.continuous.cloning.clone`.

@@ -21,7 +21,6 @@ from bridge_algos.continuous.features import Features, candidate_features
 from bridge_algos.continuous.policies import MlpPolicy
 from bridge_algos.continuous.rollouts import rollout
 from bridge_algos.run.streams import stream
-from bridge_algos.run.world import digest
 from bridge_theory.errors import InputError
 
 HELD_OUT = 5
@@ -54,9 +53,12 @@ def load_world(config: ContinuousConfig) -> tuple[Environment, MlpPolicy, Episod
         InputError: no such environment, expert or data, a changed file, or other dimensions.
     """
     environment = make_environment(config.environment)
-    if config.expert is not None and config.expert_digest not in (None, digest(config.expert)):
-        raise InputError(f"{config.expert} has changed since this run was configured; use another --out for the new.")
     expert = load_expert(config.expert or config.environment, environment)
+    if config.expert_digest not in (None, expert.digest()):
+        raise InputError(
+            f"the expert {config.expert or config.environment!r} has changed since this run was configured; use "
+            "another --out for the new one."
+        )
     if config.demonstrations is None:
         return environment, expert, None
     given = load_demonstrations(config.demonstrations, environment, config.horizon)
@@ -65,6 +67,13 @@ def load_world(config: ContinuousConfig) -> tuple[Environment, MlpPolicy, Episod
             f"{config.demonstrations} has changed since this run was configured; use another --out for the new data."
         )
     return environment, expert, given
+
+
+def resolved(config: ContinuousConfig) -> ContinuousConfig:
+    """The configuration with the digests of its expert and demonstrations, so that it describes their content."""
+    _, expert, given = load_world(config)
+    found = None if given is None else episodes_digest(given)
+    return config.but(expert_digest=expert.digest(), demonstrations_digest=found)
 
 
 def demonstrations_and_clone(

@@ -84,25 +84,17 @@ def configuration(options: argparse.Namespace) -> RunConfig:
 
 
 def _continuous_configuration(options: argparse.Namespace) -> ContinuousConfig:
-    from bridge_algos.run.world import digest
-
     base = continuous_preset(options.preset, options.environment)
     changes = _changes(options, base)
     if options.features is not None:
         raise InputError("--features does not apply to MuJoCo, where all are sampled; use --set rollouts=NUMBER.")
     if options.expert:
-        changes |= {"expert": options.expert, "expert_digest": digest(options.expert)}
+        changes["expert"] = options.expert
     if options.include_expert:
         changes["include_expert"] = True
-    if options.demos is None:
-        return base.but(**changes)
-    from bridge_algos.continuous.episodes import episodes_digest
-    from bridge_algos.continuous.offline import load_world
-
-    config = base.but(**changes, demonstrations=options.demos)
-    _, _, given = load_world(config)
-    assert given is not None
-    return config.but(demonstrations_digest=episodes_digest(given))
+    if options.demos is not None:
+        changes["demonstrations"] = options.demos
+    return base.but(**changes)
 
 
 def _changes(options: argparse.Namespace, base: Configuration) -> dict[str, Any]:

@@ -45,6 +45,10 @@ def run(
     if seeds < 1:
         raise InputError(f"seeds is {seeds}, expected at least 1.")
     check_jobs(jobs)
+    if isinstance(config, ContinuousConfig):
+        from bridge_algos.continuous.offline import resolved
+
+        config = resolved(config)
     work = _work(config, directory, log, _threads(seeds, jobs))
     finished = open_run(directory, config)
     if log:
@@ -64,10 +68,7 @@ def _work(config: Configuration, directory: Path, log: bool, threads: int) -> Ca
         raise InputError(
             f"logs are there to certify regret, which nothing does for {config.environment}; leave out --log."
         )
-    from bridge_algos.continuous.offline import load_world
-
     assert isinstance(config, ContinuousConfig)
-    load_world(config)
     return_oracle(config.oracle_options)
     return partial(_one_continuous, config, directory, threads)
 

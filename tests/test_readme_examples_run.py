@@ -12,17 +12,16 @@ import pytest
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text()
 PYTHON = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
-COMMANDS = [
-    line.removeprefix("$ ")
+BLOCKS = [
+    [shlex.split(line.removeprefix("$ ")) for line in block.splitlines() if line.startswith("$ ")]
     for block in re.findall(r"```console\n(.*?)```", README, flags=re.DOTALL)
-    for line in block.splitlines()
-    if line.startswith("$ ")
 ]
+USES = {"run", "verify", "compare", "report", "reproduce", "bounds", "plan", "check"}
 
 
 def test_there_are_examples_of_each_use() -> None:
     assert len(PYTHON) >= 2
-    assert {shlex.split(command)[1] for command in COMMANDS} >= {"run", "reproduce", "bounds", "plan"}
+    assert {command[1] for block in BLOCKS for command in block} >= USES
 
 
 def execute(arguments: list[str], tmp_path: Path) -> str:
@@ -37,14 +36,14 @@ def test_python(code: str, tmp_path: Path) -> None:
     assert execute([sys.executable, "-c", code], tmp_path).strip()
 
 
-@pytest.mark.parametrize("command", COMMANDS)
-def test_command(command: str, tmp_path: Path) -> None:
-    program, *arguments = shlex.split(command)
-    assert program == "bridge-rl"
-    assert execute([sys.executable, "-m", "experiments.cli", *arguments], tmp_path).strip()
+@pytest.mark.parametrize("commands", BLOCKS, ids=lambda commands: commands[0][1])
+def test_commands_of_a_block_one_after_the_other(commands: list[list[str]], tmp_path: Path) -> None:
+    for program, *arguments in commands:
+        assert program == "bridge-rl"
+        assert execute([sys.executable, "-m", "experiments.cli", *arguments], tmp_path).strip()
 
 
 def test_pictures_exist() -> None:
-    pictures = re.findall(r"!\[.*?\]\((.*?)\)", README)
+    pictures = re.findall(r"!\[.*?\]\((.*?)\)", README) + re.findall(r"<img src=\"(.*?)\"", README)
     assert pictures
     assert all((ROOT / picture).is_file() for picture in pictures)

@@ -13,10 +13,14 @@ from bridge_theory.cli.rows import Row, missing_from, row_for
 from bridge_theory.errors import InputError
 from bridge_theory.parameters import show
 from bridge_theory.setting import Setting
-from experiments.report.ledger import row_anchor
+from experiments.report.ledger import refuted, row_anchor
 from experiments.report.text import table_html
 
 _GROUPS = {"offline": "Offline", "online": "Online", "regret": "Regret, in utility"}
+_OWN = (
+    '<p class="quiet">Each bound has assumptions of its own, listed by <code>bridge-rl bounds --explain LABEL</code>; '
+    "those from the version space, for example, are about an offline set of radius zero.</p>"
+)
 _HEADER = ("bound", "value", "trivial value", "says something?", "status")
 
 
@@ -40,7 +44,7 @@ def bounds_html(config: RunConfig) -> str:
         rest = [row for row in members if row not in empty]
         tables += _folded(f"{title}: {len(empty)} bounds that say nothing here", empty)
         tables += _folded(f"{title}: {len(rest)} parts and rates", rest)
-    return f'<p class="quiet">At {escape(given)}.</p>{warning if missing else ""}{tables}'
+    return f'<p class="quiet">At {escape(given)}.</p>{warning if missing else ""}{_OWN}{tables}'
 
 
 def _folded(summary: str, rows: list[Row]) -> str:
@@ -52,19 +56,22 @@ def _folded(summary: str, rows: list[Row]) -> str:
 
 def _cells(row: Row) -> tuple[str, ...]:
     formula = row.formula
+    false = refuted(formula.source)
+    status = f'{formula.status}, <b class="problem">false</b>' if false else formula.status
     link = row_anchor(formula.source)
     source = f"<code>{escape(formula.source)}</code>"
     name = f"{escape(formula.title)}<br>" + (f'<a href="#{link}">{source}</a>' if link else source)
     if row.estimate is not None:
-        return (name, f"~ {row.estimate:.4g}", "–", "a rate: for scaling only", formula.status)
+        return (name, f"~ {row.estimate:.4g}", "–", "a rate: for scaling only", status)
     if row.value is None:
-        return (name, "undefined", "–", escape(row.problem), formula.status)
+        return (name, "undefined", "–", escape(row.problem), status)
     value = row.value
     trivial = "–" if value.trivial is None else f"{value.trivial.middle:.4g}"
     undecided = "–" if value.trivial is None else "not decided"
-    says = {None: undecided, True: '<span class="empty">no</span>', False: '<b class="says">yes</b>'}[value.vacuous]
+    yes = "claims to" if false else '<b class="says">yes</b>'
+    says = {None: undecided, True: '<span class="empty">no</span>', False: yes}[value.vacuous]
     return (name, f'<span title="{escape(str(value.enclosure))}">{value.enclosure.middle:.4g}</span>', trivial, says,
-            formula.status)  # fmt: skip
+            status)  # fmt: skip
 
 
 def _short(name: str, setting: Setting) -> str:

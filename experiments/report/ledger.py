@@ -30,6 +30,13 @@ def row_anchor(source: str) -> str | None:
     return f"{ANCHOR}-{anchor(source)}" if source in _labels() else None
 
 
+def refuted(source: str) -> bool:
+    """Whether the ledger holds a label's statement to be false."""
+    from experiments.compare.ledger import refuted_label
+
+    return available() and bool(refuted_label(source))
+
+
 def link_labels(html: str) -> str:
     """Lead from every label of the paper in some HTML text to its verdict.
 

@@ -29,7 +29,7 @@ import pytest
 
 from bridge_algos.run.config import preset
 from bridge_algos.run.log import logged_seed
-from bridge_algos.run.log_file import RunLog, load_log, save_log
+from bridge_algos.run.log_file import RunLog, load_log, log_path, save_log
 from bridge_algos.run.world import build_world
 from bridge_theory.errors import InputError
 from experiments.cli import main
@@ -247,7 +247,7 @@ def test_every_mutation_is_rejected(name: str) -> None:
 def test_the_reason_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     algorithm, log = honest("known")
     forged = edited(log, f"{algorithm}/w", lambda a: a.__setitem__(2, a[2] / 2))
-    save_log(tmp_path / "log-00003.npz", forged)
+    save_log(log_path(tmp_path, forged.header["seed"]), forged)
     assert main(["verify", str(tmp_path)]) == 1
     shown = capsys.readouterr().out
     assert "NOT CERTIFIED" in shown
@@ -255,8 +255,17 @@ def test_the_reason_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     assert "recomputed at least" in shown
 
 
+def test_a_copy_does_not_count_as_another_seed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    log = honest("known")[1]
+    copy = log_path(tmp_path, log.header["seed"] + 1)
+    save_log(copy, log)
+    assert main(["verify", str(tmp_path)]) == 2
+    assert f"is the log of seed {log.header['seed']}" in capsys.readouterr().err
+    assert main(["verify", str(copy)]) == 0
+
+
 def test_a_damaged_file_is_one_sentence(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    path = tmp_path / "log-00003.npz"
+    path = log_path(tmp_path, honest("known")[1].header["seed"])
     save_log(path, honest("known")[1])
     whole = path.read_bytes()
     rng = np.random.default_rng(1)

@@ -5,24 +5,40 @@ from __future__ import annotations
 import argparse
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from bridge_theory.cli.options import Parser
 from bridge_theory.errors import InputError
+
+if TYPE_CHECKING:
+    from proofs_checks.verify.certificate import Certificate
 
 
 def main(argv: list[str]) -> int:
     """Verify logs. Returns 0 when all are certified, else 1; an unreadable log is a user's mistake."""
     options = _parser().parse_args(argv)
-    from bridge_algos.run.log_file import load_log
     from proofs_checks.verify.certificate import table
-    from proofs_checks.verify.checker import verify
 
-    certificates = [item for path in _paths(options.run, options.seed) for item in verify(load_log(path))]
+    certificates = [item for path in _paths(options.run, options.seed) for item in _checked(path, options.run)]
     if options.json:
         print(json.dumps([item.record() for item in certificates], indent=2))
     else:
         print(table(certificates))
     return int(not all(item.certified for item in certificates))
+
+
+def _checked(path: Path, run: Path) -> tuple[Certificate, ...]:
+    from bridge_algos.run.log_file import load_log, log_path
+    from proofs_checks.verify.checker import verify
+
+    log = load_log(path)
+    try:
+        certificates = verify(log)
+    except InputError as error:
+        raise InputError(f"{path} cannot be checked: {error}") from None
+    if path != run and path != log_path(run, certificates[0].seed):  # else a copy would count as another seed
+        raise InputError(f"{path} is the log of seed {certificates[0].seed}; give it that seed's name, or remove it.")
+    return certificates
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -41,6 +57,8 @@ def _paths(run: Path, seed: int | None) -> list[Path]:
             raise InputError(f"{run} is one log; give its directory to choose a seed.")
         return [run]
     if seed is not None:
+        if not log_path(run, seed).exists():
+            raise InputError(f"{run} holds no log of seed {seed}; choose another, or 'bridge-rl run ... --log' again.")
         return [log_path(run, seed)]
     paths = log_files(run)
     if not paths:

@@ -40,17 +40,20 @@ def assumptions(given: Facts) -> tuple[str, ...]:
     """What the bounds assume and a log cannot show."""
     searched = best_policy_is_searched(given)
     comparator = {
-        ALL: "regret is measured against the best policy, which is searched because all are",
-        VERSION_SPACE: f"the demonstrations come from a best policy, so that it is searched: {VERSION_SPACE}",
+        ALL: "regret is measured against the best stationary deterministic policy, which is searched because all are",
+        VERSION_SPACE: "the demonstrations come from a best stationary deterministic policy, so that it is searched: "
+        f"{VERSION_SPACE}",
         None: "regret is measured against the best of the policies searched; a log cannot show how good that is",
     }
     general: tuple[str, ...] = ("the utility of a policy is <phi, w*> with ||w*|| <= W", comparator[searched])
-    if given.known and given.configuration["environment"].endswith(".npz"):
-        general += ("the dynamics in the log are those of its environment's file",)
+    if given.configuration["environment"].endswith(".npz"):
+        kept = "dynamics" if given.known else "first states"
+        general += (f"the {kept} in the log are those of its environment's file",)
     if theory_withheld(given):
         return general
     return (
         *general,
         "answers are independent given the trajectories and follow the Bradley-Terry model with w*",
-        "trajectories and demonstrations come from the real environment, both rollouts of a round drawn independently",
+        "trajectories and demonstrations are fresh, independent draws from the real environment, also the two rollouts "
+        "of a comparison",
     )

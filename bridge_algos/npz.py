@@ -25,7 +25,9 @@ def read_arrays(path: str | Path, required: Iterable[str]) -> dict[str, NDArray[
     except FileNotFoundError:
         raise InputError(f"{path} does not exist; give the path of an .npz file with {', '.join(names)}.") from None
     except Exception as error:  # damaged bytes make zip, zlib, tokenize and NumPy raise nearly everything
-        raise InputError(f"{path} is not a readable .npz file of plain arrays ({error}); save it again.") from None
+        # NumPy takes every unknown format for a pickle, and advises to load that unsafely
+        reason = "it is of another format or holds objects" if "pickle" in str(error) else error
+        raise InputError(f"{path} is not a readable .npz file of plain arrays ({reason}); save it again.") from None
     missing = [name for name in names if name not in arrays]
     if missing:
         raise InputError(f"{path} lacks the arrays {', '.join(missing)}; it holds {', '.join(arrays) or 'nothing'}.")

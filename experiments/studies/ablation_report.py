@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from scipy.stats import binomtest
 
 from bridge_algos.mdp import FloatArray
 from bridge_algos.run.plots import finish
 from bridge_algos.run.summary import mean_over_seeds
 from bridge_theory.cli.table import text_table
+from experiments.intervals import clopper_pearson
 from experiments.studies.published_table import (
     QUANTILE,
     ROUNDING,
@@ -106,16 +106,9 @@ def figure(data: xr.Dataset) -> Any:
 
 
 def _draw_coverage(axes: Any, place: FloatArray, covered: np.ndarray, style: dict[str, Any]) -> None:
-    intervals = np.array([clopper_pearson(row) for row in covered])
     mean = covered.mean(axis=1)
-    errors = 100 * np.abs(intervals.T - mean)
+    errors = 100 * np.abs(np.stack(clopper_pearson(covered.sum(axis=1), covered.shape[1])) - mean)
     axes.errorbar(place, 100 * mean, errors if mean.min() < 1 else None, **style, elinewidth=0.7)
-
-
-def clopper_pearson(happened: np.ndarray) -> tuple[float, float]:
-    """95 % interval of a frequency."""
-    interval = binomtest(int(happened.sum()), len(happened)).proportion_ci(0.95, "exact")
-    return float(interval.low), float(interval.high)
 
 
 def report(data: xr.Dataset) -> str:
@@ -156,10 +149,10 @@ def _coverage(data: xr.Dataset) -> str:
         covered = data.covered.sel(rule=rule).transpose("cell", "seed").values
         for row, noise, n in zip(covered, data.noise.values, data.demonstrations.values, strict=True):
             if not row.all():
-                low, high = clopper_pearson(row)
+                low, high = clopper_pearson(row.sum(), len(row))
                 shown = f"{int(row.sum())} of {len(row)}, {100 * row.mean():.0f} % [{100 * low:.1f}, {100 * high:.1f}]"
                 rows.append((text, f"{100 * noise:g} %", f"{n}", shown))
-    low, _ = clopper_pearson(np.ones(data.sizes["seed"]))
+    low, _ = clopper_pearson(data.sizes["seed"], data.sizes["seed"])
     always = f"in all seeds, [{100 * low:.1f}, 100] %"
     if not rows:
         return f"Coverage: the expert is in the ball {always} in every cell under every rule."
@@ -281,4 +274,5 @@ def _agreement_row(fit: Agreement) -> tuple[str, str, str]:
 
 
 def _share(mean: float, half: float) -> str:
-    return f"{mean:.3g}" if half < 1e-9 * mean else f"{mean:.3g} ± {half:.1g}"
+    digits = ".0f" if half >= 9.5 else ".1g"
+    return f"{mean:.3g}" if half < 1e-9 * mean else f"{mean:.3g} ± {half:{digits}}"

@@ -201,7 +201,8 @@ def figure(data: xr.Dataset) -> Any:
             [m.mean for m in means], rows, xerr=[m.half_width for m in means], fmt="o", color=color, markersize=3.5,
             linewidth=1, label="ours, 95 %",
         )  # fmt: skip
-        axes.axvline(means[variants.index(BASE)].mean, color="#444444", linestyle=":", linewidth=0.8)
+        base = means[variants.index(BASE)].mean
+        axes.axvline(base, color="#444444", linestyle=":", linewidth=0.8, label="our mean as documented")
         axes.set(xlabel="total regret (reward)", yticks=rows, xlim=(0, None), ylim=(-0.7, len(variants) - 0.3))
         axes.set_title(STYLES[name]["label"], fontsize=9)
         finish(axes)

@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from scipy.stats import binomtest, quantile_test
+from scipy.stats import quantile_test
 
 from bridge_algos.mdp import FloatArray
 from bridge_algos.run.plots import finish
 from bridge_theory.cli.table import text_table
+from experiments.intervals import clopper_pearson
 
 STYLES: dict[str, dict[str, Any]] = {
     "zero": {"label": "zero (T8A)", "color": "#AAAAAA", "linewidth": 4.5},
@@ -187,5 +188,5 @@ def _share(here: xr.Dataset, key: str) -> str:
 
 def _percent(happened: np.ndarray) -> str:
     """A frequency with its Clopper-Pearson 95 % interval."""
-    interval = binomtest(int(np.sum(happened)), len(happened)).proportion_ci(0.95, "exact")
-    return f"{100 * np.mean(happened):.3g} % [{100 * interval.low:.3g}, {100 * interval.high:.3g}]"
+    low, high = clopper_pearson(np.sum(happened), len(happened))
+    return f"{100 * np.mean(happened):.3g} % [{100 * float(low):.3g}, {100 * float(high):.3g}]"

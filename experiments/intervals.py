@@ -25,3 +25,14 @@ def clopper_pearson(successes: ArrayLike, trials: int, level: float = 0.95) -> t
     low = np.where(k > 0, beta.ppf(tail, np.maximum(k, 1), trials - k + 1), 0.0)
     high = np.where(k < trials, beta.ppf(1 - tail, k + 1, np.maximum(trials - k, 1)), 1.0)
     return low, high
+
+
+def share_text(events: ArrayLike, decimals: int = 0) -> str:
+    """How often something happened, with its Clopper-Pearson 95 % interval.
+
+    >>> share_text([True, False, True, True])
+    '75% [19%, 99%]'
+    """
+    happened = np.asarray(events)
+    low, high = clopper_pearson(happened.sum(), happened.size)
+    return f"{happened.mean():.{decimals}%} [{float(low):.{decimals}%}, {float(high):.{decimals}%}]"

@@ -58,7 +58,11 @@ def agreement(ours: Mean, published: Mean) -> str:
     half = float(np.hypot(ours.half_width, published.half_width))
     side = "higher" if ours.mean > published.mean else "lower"
     distance = Mean(gap, half)
-    found = f"agree, {distance} apart" if gap <= half else f"do not agree, ours is {side} by {distance}"
+    found = (
+        f"agree within the intervals, {distance} apart"
+        if gap <= half
+        else f"do not agree, ours is {side} by {distance}"
+    )
     return f"published {published}, ours {ours}: they {found}"
 
 

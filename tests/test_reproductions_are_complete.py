@@ -69,6 +69,6 @@ def test_seeds_can_be_chosen_where_there_are_some(tmp_path: Path) -> None:
 def test_agreement_is_judged_by_the_interval_of_the_difference() -> None:
     from bridge_algos.run.summary import Mean
 
-    assert "they agree, 5.00 ± 5.00 apart" in agreement(Mean(1, 3), Mean(6, 4))
+    assert "they agree within the intervals, 5.00 ± 5.00 apart" in agreement(Mean(1, 3), Mean(6, 4))
     assert "they do not agree, ours is lower by 5.10 ± 5.00" in agreement(Mean(0.9, 3), Mean(6, 4))
     assert "ours is higher" in agreement(Mean(12, 3), Mean(6, 4))

@@ -69,7 +69,8 @@ def table(results: xr.Dataset) -> str:
         regrets = (str(final(results, "suboptimality", name)), str(final(results, "pseudo_regret", name)))
         rows.append((name, *regrets, str(size), *([_milliseconds(own)] if timed else [])))
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
-    lines = [f"{results.attrs['title']}, after {rounds} rounds (mean ± 95 % half-width over {seeds} seeds)"]
+    many = f"{seeds} seeds" if seeds > 1 else "one seed"
+    lines = [f"{results.attrs['title']}, after {rounds} rounds (mean ± 95 % half-width over {many})"]
     lines += [
         "  ".join(
             cell.ljust(width) if i == 0 else cell.rjust(width)

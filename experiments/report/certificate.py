@@ -40,10 +40,15 @@ def certificates_html(directory: Path, results: xr.Dataset, most: int) -> str:
             unread.append(f'<p class="problem">{escape(str(error))}</p>')
     good = sum(item.certified for item in found)
     verdict = f'<p class="state{"" if good == len(found) and not unread else " bad"}">'
-    verdict += f"{good} of {len(found)} certified, from {min(most, len(paths))} of {len(paths)} logs.</p>"
+    verdict += (
+        f"{good} of {len(found)} certified, from {min(most, len(paths)) - len(unread)} of {len(paths)} logs read.</p>"
+    )
     header = ("algorithm", "seed", "verdict", "failure probability", "realised", *map(escape, _NAMES.values()))
     rows = [_row(item, results) for item in found]
-    caption = '<p class="quiet">Regret after the last round, in utility: what happened, and what the log proves.</p>'
+    caption = (
+        '<p class="quiet">Regret after the last round, in utility: what happened, against the best policy, and what '
+        "the log proves, against the best policy searched.</p>"
+    )
     reasons = _listed("Why not", [f"{i.algorithm}, seed {i.seed}: {r}" for i in found for r in i.reasons])
     notes = _listed("Notes", [note for item in found for note in item.notes])
     assumed = _listed("What no log can show", [text for item in found for text in item.assumptions])

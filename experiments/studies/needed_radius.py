@@ -24,7 +24,7 @@ from bridge_algos.run.plots import finish
 from bridge_theory.cli.table import text_table
 from bridge_theory.errors import InputError
 from experiments.cells import Cell, run_cells
-from experiments.intervals import clopper_pearson
+from experiments.intervals import clopper_pearson, share_text
 from experiments.panels import legend_below
 from experiments.seeds import changed, configured, entries, worlds
 
@@ -153,7 +153,7 @@ def words(data: xr.Dataset) -> str:
 def _row(cell: xr.Dataset, radius: float) -> tuple[str, ...]:
     outside, sure, coins, lost = _partition(cell, radius)
     quantiles = "/".join(f"{float(cell.needed.quantile(q)):.2f}" for q in (0.5, 0.95, 1.0))
-    shares = [_share(event) for event in (outside, sure, coins, lost)]
+    shares = [share_text(event, 1) for event in (outside, sure, coins, lost)]
     return (f"{int(cell.n)}", f"{float(cell.noise):.0%}", *shares, quantiles)
 
 
@@ -168,14 +168,10 @@ def _answer(cell: xr.Dataset, radius: float, environment: str) -> str:
     unlucky, needed = cell.needed_unlucky.values, cell.needed.values
     verdict = "by construction" if sure.all() else "by luck where the coins decide"
     return (
-        f"{environment}, without noise: the expert is inside {verdict}: in {_share(sure)} of the data sets no outcome "
-        f"of the coins could push it out, in {_share(coins)} the coins decided. The largest radius that the unluckiest "
-        f"coins could have asked for, which the demonstrations alone tell (audit T8(B)), is {unlucky.max():.3f}; "
-        f"the coins drawn asked for at most {needed.max():.3f}, and radius 0 sufficed in {_share(needed == 0)}. "
+        f"{environment}, without noise: the expert is inside {verdict}: in {share_text(sure, 1)} of the data sets no "
+        f"outcome of the coins could push it out, in {share_text(coins, 1)} the coins decided. The largest radius that the "
+        "unluckiest coins could have asked for, which the demonstrations alone tell (audit T8(B)), is "
+        f"{unlucky.max():.3f}; "
+        f"the coins drawn asked for at most {needed.max():.3f}, and radius 0 sufficed in {share_text(needed == 0, 1)}. "
         f"On average {float(cell.unrecorded.mean()):.1f} states have no record of the expert's action."
     )
-
-
-def _share(events: FloatArray) -> str:
-    low, high = clopper_pearson(events.sum(), len(events))
-    return f"{events.mean():.1%} [{float(low):.1%}, {float(high):.1%}]"

@@ -23,7 +23,7 @@ from bridge_algos.run.summary import Mean, mean_over_seeds, verdict
 from bridge_theory.cli.table import text_table
 from bridge_theory.errors import InputError
 from experiments.cells import Cell, run_cells
-from experiments.intervals import clopper_pearson
+from experiments.intervals import clopper_pearson, share_text
 from experiments.panels import legend_below
 from experiments.seeds import all_seeds, changed, configured, entries
 
@@ -182,9 +182,9 @@ def words(data: xr.Dataset) -> str:
     lines = [
         f"{config.environment}, {settings['preset']} preset, {config.rounds} rounds, {seeds} seeds, {drawn}"
         "95 % intervals (Clopper-Pearson for shares)",
-        f"at the preset: optimal policy not in the offline set {_share(base.out_of_offline_set)}, ruled out of Pi_t in "
-        f"some round {_share(base.ruled_out.sel(algorithm='bridge'))}, not among the policies BRIDGE searches "
-        f"{_share(~base.searched.sel(algorithm='bridge'))}; cumulative regret {regrets}",
+        f"at the preset: optimal policy not in the offline set {share_text(base.out_of_offline_set)}, ruled out of Pi_t "
+        f"in some round {share_text(base.ruled_out.sel(algorithm='bridge'))}, not among the policies BRIDGE searches "
+        f"{share_text(~base.searched.sel(algorithm='bridge'))}; cumulative regret {regrets}",
         "",
     ]
     for factor in factors_of(data):
@@ -199,7 +199,7 @@ def _table(data: xr.Dataset, base: xr.Dataset, factor: str) -> str:
     rows = []
     for i, value in enumerate(own.value.values):
         here = own.isel(cell=i)
-        row = [_short(value), _share(here.out_of_offline_set), _share(here.ruled_out.sel(algorithm="bridge"))]
+        row = [_short(value), share_text(here.out_of_offline_set), share_text(here.ruled_out.sel(algorithm="bridge"))]
         for name in algorithms:
             regret = here.regret.sel(algorithm=name)
             row += [str(_mean(regret)), str(_mean(regret - base.regret.sel(algorithm=name)))]
@@ -227,12 +227,6 @@ def _summary(data: xr.Dataset, base: xr.Dataset) -> str:
 def _mean(values: xr.DataArray, level: float = 0.95) -> Mean:
     mean, half = mean_over_seeds(np.asarray(values), level)
     return Mean(float(mean), float(half))
-
-
-def _share(events: xr.DataArray) -> str:
-    count, trials = int(events.sum()), events.size
-    low, high = clopper_pearson(count, trials)
-    return f"{count / trials:.0%} [{float(low):.0%}, {float(high):.0%}]"
 
 
 def _short(value: float) -> str:

@@ -1,4 +1,7 @@
-"""What a log must satisfy before any bound is computed: it is the log of its own configuration, step by step."""
+"""What a log must satisfy before any bound is computed: each step follows from the log's configuration and data.
+
+Entries that no step shows (how candidates and expert were chosen) are read for the certificate's assumptions only.
+"""
 
 from __future__ import annotations
 

@@ -169,8 +169,8 @@ def _answer(cell: xr.Dataset, radius: float, environment: str) -> str:
     verdict = "by construction" if sure.all() else "by luck where the coins decide"
     return (
         f"{environment}, without noise: the expert is inside {verdict}: in {share_text(sure, 1)} of the data sets no "
-        f"outcome of the coins could push it out, in {share_text(coins, 1)} the coins decided. The largest radius that the "
-        "unluckiest coins could have asked for, which the demonstrations alone tell (audit T8(B)), is "
+        f"outcome of the coins could push it out, in {share_text(coins, 1)} the coins decided. The largest radius that "
+        "the unluckiest coins could have asked for, which the demonstrations alone tell (audit T8(B)), is "
         f"{unlucky.max():.3f}; "
         f"the coins drawn asked for at most {needed.max():.3f}, and radius 0 sufficed in {share_text(needed == 0, 1)}. "
         f"On average {float(cell.unrecorded.mean()):.1f} states have no record of the expert's action."

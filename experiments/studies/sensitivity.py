@@ -182,8 +182,8 @@ def words(data: xr.Dataset) -> str:
     lines = [
         f"{config.environment}, {settings['preset']} preset, {config.rounds} rounds, {seeds} seeds, {drawn}"
         "95 % intervals (Clopper-Pearson for shares)",
-        f"at the preset: optimal policy not in the offline set {share_text(base.out_of_offline_set)}, ruled out of Pi_t "
-        f"in some round {share_text(base.ruled_out.sel(algorithm='bridge'))}, not among the policies BRIDGE searches "
+        f"at the preset: optimal policy not in the offline set {share_text(base.out_of_offline_set)}, ruled out of "
+        f"Pi_t in some round {share_text(base.ruled_out.sel(algorithm='bridge'))}, not among the policies BRIDGE searches "
         f"{share_text(~base.searched.sel(algorithm='bridge'))}; cumulative regret {regrets}",
         "",
     ]

@@ -183,7 +183,7 @@ def words(data: xr.Dataset) -> str:
         f"{config.environment}, {settings['preset']} preset, {config.rounds} rounds, {seeds} seeds, {drawn}"
         "95 % intervals (Clopper-Pearson for shares)",
         f"at the preset: optimal policy not in the offline set {share_text(base.out_of_offline_set)}, ruled out of "
-        f"Pi_t in some round {share_text(base.ruled_out.sel(algorithm='bridge'))}, not among those that BRIDGE searches "
+        f"Pi_t in some round {share_text(base.ruled_out.sel(algorithm='bridge'))}, not among those BRIDGE searches "
         f"{share_text(~base.searched.sel(algorithm='bridge'))}; cumulative regret {regrets}",
         "",
     ]

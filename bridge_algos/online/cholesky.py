@@ -28,6 +28,21 @@ def inverse_root(matrix: FloatArray) -> FloatArray:
     return np.asarray(lapack.dtrtri(root, lower=1)[0])
 
 
+def solve(matrix: FloatArray, vector: FloatArray) -> FloatArray:
+    """The solution v of ``matrix v = vector`` for a symmetric positive definite matrix.
+
+    Raises:
+        ComputationError: when the matrix is not positive definite to rounding.
+
+    >>> solve(np.diag([4.0, 16.0]), np.array([2.0, 4.0]))
+    array([0.5 , 0.25])
+    """
+    _, solution, failed = lapack.dposv(matrix, vector, lower=1)
+    if failed:
+        raise ComputationError("a matrix is not positive definite to rounding; use a larger lambda.")
+    return np.asarray(solution)
+
+
 def log_det(inverse: FloatArray) -> float:
     """The logarithm of the determinant of the matrix whose :func:`inverse_root` is given.
 

@@ -8,14 +8,17 @@ outside the sum: audit C.1), its gradient :math:`g(w) - \sum_l o_l x_l` with
 
 from __future__ import annotations
 
+from math import sqrt
+
 import numpy as np
 
 from bridge_algos.mdp import FloatArray
-from bridge_algos.online.cholesky import inverse_root
+from bridge_algos.online.cholesky import inverse_root, solve
 from bridge_algos.online.oracles import sigmoid
 from bridge_algos.shapes import Comparisons, DataMatrix, Outcomes, Weights
 from bridge_theory.errors import InputError
 
+EPSILON = float(np.finfo(float).eps)
 GRADIENT_TOLERANCE = 1e-10
 """Newton stops when the gradient is this small relative to its largest possible size."""
 
@@ -36,20 +39,22 @@ def fit_exact(x: Comparisons, outcomes: Outcomes, lam: float, start: Weights) ->
         raise InputError(f"lambda is {lam}, expected a positive number; without it the optimum may not exist.")
     w = start.astype(np.float64)
     scale = float(np.abs(x).sum()) + lam
-    loss = _loss(w, x, outcomes, lam)
+    margin = x.dot(w)
+    loss = _loss(w, margin, outcomes, lam)
     for _ in range(100):
-        p = sigmoid(x @ w)
-        gradient = x.T @ (p - outcomes) + lam * w
+        p = sigmoid(margin)
+        gradient = (p - outcomes).dot(x) + lam * w
         if np.abs(gradient).max() <= GRADIENT_TOLERANCE * scale:
             break
-        step = np.linalg.solve(_jacobian(p, x, lam), gradient)
+        step = solve(_jacobian(p, x, lam), gradient)
         length, descent = 1.0, float(gradient @ step)
-        if descent <= 8 * np.finfo(float).eps * (1 + abs(loss)):  # less than the loss can show: no line search
+        if descent <= 8 * EPSILON * (1 + abs(loss)):  # less than the loss can show: no line search
             w = w - step
             break
         while length > 1e-12:
             candidate = w - length * step
-            new_loss = _loss(candidate, x, outcomes, lam)
+            margin = x.dot(candidate)
+            new_loss = _loss(candidate, margin, outcomes, lam)
             if new_loss <= loss - 1e-4 * length * descent:
                 break
             length /= 2
@@ -65,14 +70,15 @@ def fit_adam(
     """Ten full-batch Adam steps on the mean loss, as the published runs fit w; far from the optimum by design."""
     w = start.astype(np.float64)
     count = max(len(x), 1)
-    mean, shrinkage = x.T / count, lam / count
-    answered = mean @ outcomes
+    mean, shrinkage = np.ascontiguousarray(x.T) / count, lam / count
+    answered = mean.dot(outcomes)
     first, second = np.zeros_like(w), np.zeros_like(w)
     for k in range(1, steps + 1):
-        gradient = mean @ sigmoid(x @ w) - answered + shrinkage * w
+        gradient = mean.dot(sigmoid(x.dot(w))) - answered + shrinkage * w
         first = 0.9 * first + gradient
         second = 0.999 * second + gradient * gradient
-        w -= 0.1 * rate / (1 - 0.9**k) * first / (np.sqrt(0.001 / (1 - 0.999**k) * second) + 1e-8)
+        root = sqrt(0.001 / (1 - 0.999**k))
+        w = w - (0.1 * rate / (1 - 0.9**k) / root) * first / (np.sqrt(second) + 1e-8 / root)
     return w
 
 
@@ -129,13 +135,12 @@ def _g(w: Weights, x: Comparisons, lam: float) -> Weights:
 
 def _jacobian(p: Outcomes, x: Comparisons, lam: float) -> FloatArray:
     """Derivative of g, where p = sigma(x w)."""
-    result = (x * (p * (1 - p))[:, None]).T @ x
-    result.reshape(-1)[:: x.shape[1] + 1] += lam
+    result = (x * (p - p * p)[:, None]).T.dot(x)
+    result.flat[:: x.shape[1] + 1] += lam
     return np.asarray(result)
 
 
-def _loss(w: Weights, x: Comparisons, outcomes: Outcomes, lam: float) -> float:
-    margin = x @ w
+def _loss(w: Weights, margin: Outcomes, outcomes: Outcomes, lam: float) -> float:
     return float((np.logaddexp(0, margin) - outcomes * margin).sum() + lam / 2 * (w @ w))
 
 

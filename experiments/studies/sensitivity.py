@@ -123,8 +123,10 @@ def figures(data: xr.Dataset) -> dict[str, Any]:
 
 def _figure(data: xr.Dataset, factors: list[str]) -> Any:
     from matplotlib.figure import Figure
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-    picture = Figure(figsize=(4.4, 1.35 * len(factors) + 0.75), layout="constrained")
+    layout = ConstrainedLayoutEngine(hspace=0.12)  # each label nearer to its own panel than to the next
+    picture = Figure(figsize=(4.4, 1.45 * len(factors) + 0.75), layout=layout)
     panels = picture.subplots(len(factors), 2, squeeze=False)
     config = configured(json.loads(data.attrs["settings"]))
     for (left, right), factor in zip(panels, factors, strict=True):

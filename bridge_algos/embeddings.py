@@ -71,6 +71,7 @@ def make_embedding(name: str, n_states: int, n_actions: int, horizon: int) -> Em
     8.0
     """
     states, actions = np.eye(n_states), np.eye(n_actions)
+    of_pair = np.concatenate([np.repeat(states, n_actions, axis=0), np.tile(actions, (n_states, 1))], axis=1)
 
     def counts(t: Trajectories) -> FloatArray:
         return np.ones(t.horizon) @ states[t.states]
@@ -85,7 +86,7 @@ def make_embedding(name: str, n_states: int, n_actions: int, horizon: int) -> Em
         return np.concatenate([visits, action_totals(visits, policies)], axis=1)
 
     def short_of(t: Trajectories) -> FloatArray:
-        return np.concatenate([counts(t), np.ones(t.horizon) @ actions[t.actions]], axis=1)
+        return np.asarray(np.ones(t.horizon) @ of_pair[t.states * n_actions + t.actions])
 
     def long(occupancy: Occupancies, policies: Policies) -> Features:
         per_step = np.einsum("nhs,nsa->nha", occupancy, actions[policies])

@@ -333,11 +333,11 @@ def _play(
     k, played = learner.comparisons, learner.policies[list(pair)]
     one, two = problem.sample_pair(played, k, rng)
     outcomes = np.asarray(problem.oracle(one, two, rng), dtype=np.float64)
-    if outcomes.shape != (k,) or not ((np.isnan(outcomes)) | ((outcomes >= 0) & (outcomes <= 1))).all():
+    answered = ~np.isnan(outcomes)
+    if outcomes.shape != (k,) or not (~answered | ((outcomes >= 0) & (outcomes <= 1))).all():
         raise InputError(
             f"the oracle answered {np.array2string(outcomes, threshold=4)}, expected {k} numbers in [0, 1] or NaN."
         )
-    answered = ~np.isnan(outcomes)
     difference = (problem.embedding.of_trajectories(one) - problem.embedding.of_trajectories(two))[answered]
     memory.x.append(learner.slope * difference)
     memory.outcomes.append(outcomes[answered])

@@ -86,7 +86,8 @@ def _excess_factors(
 
 def first_best(values: PerPolicy) -> int:
     """Index of the first value that is the largest to rounding, so that no tie is decided by rounding."""
-    return int((values >= values.max() - TIE * (1 + abs(float(values.max())))).argmax())
+    largest = float(values.max())
+    return int((values >= largest - TIE * (1 + abs(largest))).argmax())
 
 
 def widest_pair(z: Features, gamma: float, bonus: PerPolicy) -> tuple[int, int]:

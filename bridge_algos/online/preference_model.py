@@ -44,7 +44,7 @@ def fit_exact(x: Comparisons, outcomes: Outcomes, lam: float, start: Weights) ->
     for _ in range(100):
         p = sigmoid(margin)
         gradient = (p - outcomes).dot(x) + lam * w
-        if np.abs(gradient).max() <= GRADIENT_TOLERANCE * scale:
+        if gradient.dot(gradient) <= (GRADIENT_TOLERANCE * scale) ** 2:
             break
         step = solve(_jacobian(p, x, lam), gradient)
         length, descent = 1.0, float(gradient @ step)
@@ -141,7 +141,7 @@ def _jacobian(p: Outcomes, x: Comparisons, lam: float) -> FloatArray:
 
 
 def _loss(w: Weights, margin: Outcomes, outcomes: Outcomes, lam: float) -> float:
-    return float((np.logaddexp(0, margin) - outcomes * margin).sum() + lam / 2 * (w @ w))
+    return float(np.add.reduce(np.logaddexp(0, margin) - outcomes * margin) + lam / 2 * w.dot(w))
 
 
 def _least_squares_in_ball(a: FloatArray, b: FloatArray, radius: float) -> FloatArray:

@@ -45,9 +45,14 @@ def draw_cumulative(
     for name in (str(n) for n in results.algorithm.values):
         draw_band(axes, rounds, *mean_over_seeds(cumulative(results, variable, name)), STYLES[name])
     axes.axhline(0, **(EXPERT if yardstick is None else {**EXPERT, "label": yardstick}))
-    axes.set(xlabel="online round t", ylabel="cumulative regret (reward)", xlim=(rounds[0], rounds[-1]))
+    axes.set(xlabel="online round t", ylabel="cumulative regret (reward)", xlim=_span(rounds))
     axes.set_title("regret of the greedy policy", fontsize=9)
     finish(axes)
+
+
+def _span(rounds: np.ndarray) -> tuple[float, float]:
+    """From the first round to the last, of positive length even for a single round."""
+    return rounds[0], max(rounds[-1], rounds[0] + 1)
 
 
 def draw_sizes(axes: Any, results: xr.Dataset) -> None:
@@ -56,7 +61,7 @@ def draw_sizes(axes: Any, results: xr.Dataset) -> None:
     for name in (str(n) for n in results.algorithm.values if n != "bc"):
         sizes = np.asarray(results.set_size.sel(algorithm=name).transpose("seed", "round"))
         draw_band(axes, rounds, *mean_over_seeds(sizes), STYLES[name], floor=1)
-    axes.set(yscale="log", xlabel="online round t", ylabel=r"policies in $\Pi_t$", xlim=(rounds[0], rounds[-1]))
+    axes.set(yscale="log", xlabel="online round t", ylabel=r"policies in $\Pi_t$", xlim=_span(rounds))
     axes.set_ylim(bottom=0.9)
     axes.set_title("policies not ruled out", fontsize=9)
     finish(axes)

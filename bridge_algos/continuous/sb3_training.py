@@ -1,7 +1,8 @@
 """Stable-Baselines3's algorithms with the hyper-parameters the paper names: the faithful way, which takes hours.
 
-The settings are those of RL Baselines3 Zoo: PPO for Reacher (its entry for ``Reacher-v2``), TD3 for Ant (its MuJoCo
-defaults). Stable-Baselines3 keeps its checkpoints as pickles, which this package does not write: a killed training
+PPO for Reacher has the settings of RL Baselines3 Zoo (its entry for ``Reacher-v2``). For TD3 the Zoo's stored file has
+no entry for MuJoCo's Ant: ours are inferred from its ``seals/Ant-v0`` and the algorithm's defaults, and were never run
+to the end. Stable-Baselines3 keeps its checkpoints as pickles, which this package does not write: a killed training
 starts anew, and only the policy so far is kept. It also seeds the global generators of NumPy and torch.
 """
 

@@ -5,7 +5,7 @@ import pytest
 
 pytest.importorskip("torch", reason="cloning needs torch, of the extra 'continuous'")
 
-from bridge_algos.continuous.cloning import clone, log_likelihood
+from bridge_algos.continuous.cloning import clone, demonstrated_statistics, log_likelihood
 from bridge_algos.continuous.episodes import Episodes
 from bridge_theory.errors import InputError
 
@@ -52,19 +52,24 @@ def test_numbers_depend_on_the_generator_and_not_on_torch() -> None:
             torch.set_num_threads(threads)
             torch.manual_seed(threads)
             state = torch.random.get_rng_state()
-            results.append(clone(data, np.random.default_rng(7), hidden=16, epochs=3, normalise=True).policy)
+            results.append(
+                clone(
+                    data, np.random.default_rng(7), hidden=16, epochs=3, statistics=demonstrated_statistics(data)
+                ).policy
+            )
             assert torch.equal(state, torch.random.get_rng_state())
             assert torch.get_num_threads() == threads
     finally:
         torch.set_num_threads(before)
     assert results[0].digest() == results[1].digest()
-    other = clone(data, np.random.default_rng(8), hidden=16, epochs=3, normalise=True).policy
+    other = clone(data, np.random.default_rng(8), hidden=16, epochs=3, statistics=demonstrated_statistics(data)).policy
     assert other.digest() != results[0].digest()
 
 
 def test_normalisation_uses_the_demonstrations_alone(rng: np.random.Generator) -> None:
     data = episodes(rng, 6)
-    policy = clone(data, rng, hidden=8, epochs=1, normalise=True, validation=episodes(rng, 6, noise=9.0)).policy
+    statistics, validation = demonstrated_statistics(data), episodes(rng, 6, noise=9.0)
+    policy = clone(data, rng, hidden=8, epochs=1, statistics=statistics, validation=validation).policy
     states = data.observations[:, :-1][data.mask]
     np.testing.assert_allclose(policy.observation_mean, states.mean(axis=0))
     np.testing.assert_allclose(policy.observation_scale, states.std(axis=0), rtol=1e-6)

@@ -4,6 +4,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,8 @@ pytest.importorskip("torch", reason="cloning needs torch, of the extra 'continuo
 
 from bridge_algos.continuous import features as features_module
 from bridge_algos.continuous.config import ContinuousConfig, continuous_preset
+from bridge_algos.continuous.offline import demonstrations_and_clone, offline_stage
+from bridge_algos.continuous.policy_files import save_policy
 from bridge_algos.continuous.seed import run_seed
 from bridge_algos.run.configuration import read_configuration
 from bridge_algos.run.runner import run
@@ -141,6 +144,32 @@ def test_a_result_carries_its_configuration(tmp_path: Path) -> None:
         run(TINY.but(gamma=1.0), tmp_path / "run", seeds=1)
 
 
+def test_the_clone_standardises_by_the_chosen_statistics(own_cache: Path) -> None:
+    _, expert, demonstrations, _ = demonstrations_and_clone(TINY, 0, own_cache)
+    seen = demonstrations.observations[:, :-1][demonstrations.mask]
+    for choice, mean in (("expert", expert.observation_mean), ("demonstrations", seen.mean(axis=0)), ("none", None)):
+        config = TINY.but(normalise_observations=choice)
+        cloned = demonstrations_and_clone(config, 0, own_cache)[3].policy
+        if mean is None:
+            assert cloned.observation_mean is None
+        else:
+            np.testing.assert_array_equal(cloned.observation_mean, mean)
+    raw = own_cache / "raw.safetensors"
+    save_policy(raw, replace(expert, observation_mean=None, observation_scale=None), {})
+    with pytest.raises(InputError, match="this expert does not standardise its observations"):
+        demonstrations_and_clone(TINY.but(expert=str(raw)), 0, own_cache)
+
+
+def test_policies_with_their_own_starts_differ_by_luck_alone(own_cache: Path) -> None:
+    """Features from own and from common starts agree within twelve joint standard errors, and differ."""
+    common, own = (offline_stage(TINY.but(common_starts=c), 0, cache=own_cache).features for c in (True, False))
+    joint = np.hypot(common.standard_error, own.standard_error)
+    assert not np.array_equal(common.mean, own.mean)
+    assert np.all(np.abs(common.mean - own.mean) <= 12 * joint + 1e-12)
+    target = slice(4, 6)  # where Reacher's target is
+    assert np.ptp(common.mean[:, target], axis=0).max() == 0 < np.ptp(own.mean[:, target], axis=0).min()
+
+
 def test_damaged_features_are_named(own_cache: Path) -> None:
     run_seed(TINY, 0, cache=own_cache)
     victim = sorted(own_cache.rglob("*.npz"))[0]
@@ -154,7 +183,8 @@ def test_every_embedding_rule_and_fit_runs(own_cache: Path) -> None:
         {"embedding": "final_state", "pair_rule": "ucb"},
         {"embedding": "reacher_reward", "normalise_embedding": True, "pair_rule": "greedy_vs_random"},
         {"fit": "exact", "lam": 0.1, "until_decided": False},
-        {"oracle_options": {"mistakes": 0.2}, "normalise_observations": False},
+        {"oracle_options": {"mistakes": 0.2}, "normalise_observations": "none"},
+        {"common_starts": False, "normalise_observations": "demonstrations"},
     ):
         result = run_seed(TINY.but(**changes), 0, cache=own_cache)
         assert bool(np.isfinite(result.suboptimality).all())

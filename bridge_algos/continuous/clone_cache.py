@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from bridge_algos.continuous.cloning import Clone, clone
+from bridge_algos.continuous.cloning import Clone, Statistics, clone
 from bridge_algos.continuous.episodes import Episodes, episodes_digest
 from bridge_algos.continuous.experts import expert_card
 from bridge_algos.continuous.policy_files import load_policy, save_policy
 from bridge_algos.run.versions import package_versions
 
-FORMAT = 1
+FORMAT = 2
 """Changes whenever the definition of the fit does."""
 
 
@@ -24,6 +24,7 @@ def cached_clone(
     demonstrations: Episodes,
     rng: np.random.Generator,
     validation: Episodes | None,
+    statistics: Statistics | None,
     settings: dict[str, Any],
 ) -> Clone:
     """What :func:`bridge_algos.continuous.cloning.clone` returns, read from ``cache`` where it holds that fit.
@@ -31,23 +32,23 @@ def cached_clone(
     Args:
         cache: directory; None keeps nothing.
         rng: its state is part of the content; it advances only where the fit is made anew.
-        settings: the other arguments of the fit, by name.
+        validation, statistics, settings: the other arguments of the fit.
     """
     if cache is None:
-        return clone(demonstrations, rng, validation=validation, **settings)
+        return clone(demonstrations, rng, validation=validation, statistics=statistics, **settings)
     versions = package_versions()
     identity = {
         "format": FORMAT,
         "demonstrations": episodes_digest(demonstrations),
         "validation": None if validation is None else episodes_digest(validation),
         "generator": str(rng.bit_generator.state),
-        "settings": settings,
+        "settings": settings | {"statistics": statistics and [part.tolist() for part in statistics]},
         "versions": {name: versions[name] for name in ("torch", "numpy")},
     }
     name = hashlib.sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()[:32]
     path = cache / "clones" / f"{name}.safetensors"
     if not path.with_suffix(".json").exists():  # the card is written last
-        fitted = clone(demonstrations, rng, validation=validation, **settings)
+        fitted = clone(demonstrations, rng, validation=validation, statistics=statistics, **settings)
         curves = {"likelihood": fitted.likelihood.tolist(), "validation": fitted.validation.tolist()}
         save_policy(path, fitted.policy, {"made of": identity, **curves})
     card = expert_card(path)

@@ -21,6 +21,7 @@ from bridge_algos.mdp import FloatArray
 from bridge_theory.errors import InputError
 
 INITIAL_LOG_STD = -2.0
+Statistics = tuple[FloatArray, FloatArray]
 CLIP = 10.0
 """Normalised observations are cut at this many standard deviations, as Stable-Baselines3 does."""
 
@@ -46,7 +47,7 @@ def clone(
     *,
     hidden: int,
     validation: Episodes | None = None,
-    normalise: bool = False,
+    statistics: Statistics | None = None,
     epochs: int = 100,
     batch: int = 32,
     rate: float = 1e-3,
@@ -61,7 +62,7 @@ def clone(
         rng: the source of all randomness; torch's own generators are not touched.
         hidden: width of both hidden layers, which have rectified linear units.
         validation: episodes on which the likelihood is reported; they decide nothing.
-        normalise: whether the policy standardises its observations by the demonstrations' mean and deviation.
+        statistics: mean and scale, (d_s,) each, by which the policy standardises its observations; None for none.
         epochs, batch, rate: of Adam.
 
     Raises:
@@ -79,8 +80,7 @@ def clone(
             f"the validation episodes have {held_out[0].shape[1]}-dimensional observations and "
             f"{held_out[1].shape[1]}-dimensional actions, expected {d_s} and {d_a}, as in the demonstrations."
         )
-    mean = states.mean(axis=0) if normalise else None
-    scale = states.std(axis=0) + 1e-8 if normalise else None
+    mean, scale = statistics or (None, None)
     threads = torch.get_num_threads()
     torch.set_num_threads(1)  # more threads would add in another order, and so change the last digits
     try:
@@ -93,7 +93,7 @@ def clone(
             arrays = [tuple(part.detach().numpy().copy() for part in layer) for layer in layers]
             weights, biases = zip(*arrays, strict=True)
             std = np.exp(log_std.detach().numpy())
-            clip = CLIP if normalise else np.inf
+            clip = CLIP if statistics else np.inf
             return MlpPolicy(weights, biases, std, "relu", mean, scale, clip)
 
         inputs = torch.from_numpy(_normalised(states, mean, scale))
@@ -114,6 +114,12 @@ def clone(
     finally:
         torch.set_num_threads(threads)
     return Clone(current, likelihood, on_validation)
+
+
+def demonstrated_statistics(demonstrations: Episodes) -> Statistics:
+    """Mean and deviation of the demonstrated observations, (d_s,) each."""
+    states = _steps(demonstrations)[0]
+    return states.mean(axis=0), states.std(axis=0) + 1e-8
 
 
 def log_likelihood(policy: MlpPolicy, states: FloatArray, actions: FloatArray) -> float:

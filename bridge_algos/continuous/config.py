@@ -20,13 +20,14 @@ from bridge_theory.errors import InputError
 
 ALGORITHMS = ("bridge", "pbrl", "bc")
 SHORT_NAMES = ("reacher", "ant")
+NORMALISATIONS = ("demonstrations", "expert", "none")
 
 _KINDS = (
     ("algorithms", list | tuple, "a list of names"),
     ("expert", str | None, "the path of an expert's file"),
     ("demonstrations", str | None, "the path of a file, or a Minari data set's id"),
     ("include_expert", bool, "true or false"),
-    ("normalise_observations", bool, "true or false"),
+    ("common_starts", bool, "true or false"),
     ("normalise_embedding", bool, "true or false"),
     ("until_decided", bool, "true or false"),
     ("embedding", str, "an embedding's name"),
@@ -72,14 +73,17 @@ class ContinuousConfig(Configuration):
         demonstrations, demonstrations_digest: source of demonstrations that all seeds use instead, and the digest of
             their content, filled in likewise; every fifth of them is held out.
         horizon: H, after which episodes are cut.
-        hidden, epochs, batch, rate, normalise_observations: of the cloning, see
-            :func:`bridge_algos.continuous.cloning.clone`.
+        hidden, epochs, batch, rate: of the cloning, see :func:`bridge_algos.continuous.cloning.clone`.
+        normalise_observations: by whose statistics the clone standardises its observations, ``"demonstrations"``,
+            ``"expert"`` (as in the published runs on Reacher, whose simulator does it for everyone), or ``"none"``.
         small, large, sigma, large_factor: of the candidates, see
             :func:`bridge_algos.continuous.candidates.make_candidates`.
         radius: of the offline set, in units of the embedding.
         embedding: name of the embedding; see :mod:`bridge_algos.continuous.embeddings`.
         normalise_embedding: divide each coordinate by its largest absolute value in the demonstrations.
         rollouts: how many estimate the features of a policy.
+        common_starts: whether these start from states that all policies share, or each policy from its own, as in the
+            published runs, where policies also differ by luck.
         rounds, comparisons: T, and K trajectory pairs compared in a round.
         pair_rule: see :func:`bridge_algos.online.pair_rules.choose_pair`.
         confidence: ``"fixed"``: hand-set gamma. Nothing else exists here.
@@ -103,7 +107,7 @@ class ContinuousConfig(Configuration):
     epochs: int = 100
     batch: int = 32
     rate: float = 1e-3
-    normalise_observations: bool = True
+    normalise_observations: str = "expert"
     small: int = 100
     large: int = 400
     sigma: float = 0.01
@@ -112,6 +116,7 @@ class ContinuousConfig(Configuration):
     embedding: str = "average_state_action"
     normalise_embedding: bool = False
     rollouts: int = 200
+    common_starts: bool = True
     rounds: int = 200
     comparisons: int = 10
     pair_rule: PairRule = "max_uncertainty"
@@ -133,7 +138,8 @@ class ContinuousConfig(Configuration):
                 f"confidence is {self.confidence!r}, but in continuous control features are estimates from rollouts "
                 "and their bound is only observed, so that nothing can be certified; leave it at 'fixed'."
             )
-        check_choices(self, {"fit": FITS, "pair_rule": get_args(PairRule)})
+        choices = {"fit": FITS, "pair_rule": get_args(PairRule), "normalise_observations": NORMALISATIONS}
+        check_choices(self, choices)
         check_numbers(self, _NUMBERS)
         if self.fit == "exact" and not self.lam > 0:
             raise InputError("fit='exact' needs a positive lam, without which the optimum may not exist; set lam too.")
@@ -145,7 +151,7 @@ _PUBLISHED: dict[str, dict[str, Any]] = {
         "n_demonstrations": 30,
         "horizon": 100,
         "hidden": 256,
-        "normalise_observations": False,
+        "normalise_observations": "none",
         "radius": 0.3,
         "rounds": 100,
         "gamma": 20.0,

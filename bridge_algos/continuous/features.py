@@ -35,7 +35,7 @@ from bridge_theory.errors import InputError
 
 CHUNK = 25
 """Policies a file: seconds of work on Reacher, less than a minute on Ant."""
-FORMAT = 1
+FORMAT = 2
 """Changes whenever the definition of an embedding or of a file does."""
 _ARRAYS = ("mean", "standard_error", "largest")
 
@@ -80,7 +80,7 @@ def cache_directory() -> Path:
 def candidate_features(
     environment: Environment,
     policies: Sequence[Policy],
-    starts: Starts,
+    starts: Starts | Sequence[Starts],
     embeddings: dict[str, EmbeddingFunction],
     *,
     horizon: int,
@@ -88,10 +88,11 @@ def candidate_features(
     threads: int | None = None,
     progress: bool = False,
 ) -> dict[str, Features]:
-    """Features of N policies under several embeddings, from one rollout of each policy from each start.
+    """Features of N policies under several embeddings, from one rollout of each policy from each of its starts.
 
     Args:
         policies: made as they are needed, a chunk at a time.
+        starts: common to all policies, or as many for each of them, one entry a policy.
         embeddings: functions by name.
         cache: directory of finished chunks; None keeps nothing. A chunk with a policy that has no ``digest``, such as
             a user's own function, is never kept; nor should a user's own embedding be, whose name says nothing of its
@@ -101,16 +102,18 @@ def candidate_features(
     Raises:
         InputError: fewer than two starts (no standard error exists), or a damaged file, which is named.
     """
-    if len(starts) < 2:
-        raise InputError(f"{len(starts)} rollouts a policy are too few for a standard error; expected at least 2.")
+    own = [starts] * len(policies) if isinstance(starts, Starts) else list(starts)
+    if len(own[0]) < 2:
+        raise InputError(f"{len(own[0])} rollouts a policy are too few for a standard error; expected at least 2.")
     parts = []
     for first in range(0, len(policies), CHUNK):
-        chunk = [policies[i] for i in range(first, min(first + CHUNK, len(policies)))]
-        path = None if cache is None else _path(cache, environment, chunk, starts, list(embeddings), horizon)
+        rows = range(first, min(first + CHUNK, len(policies)))
+        chunk, theirs = [policies[i] for i in rows], [own[i] for i in rows]
+        path = None if cache is None else _path(cache, environment, chunk, theirs, list(embeddings), horizon)
         if path is not None and path.exists():
             parts.append(_read(path, embeddings))
             continue
-        arrays = _roll(environment, chunk, starts, embeddings, horizon, threads, progress)
+        arrays = _roll(environment, chunk, theirs, embeddings, horizon, threads, progress)
         if path is not None:
             with atomic_write(path) as handle:
                 np.savez(handle, allow_pickle=False, **arrays)
@@ -125,7 +128,7 @@ def candidate_features(
 def _roll(
     environment: Environment,
     chunk: list[Policy],
-    starts: Starts,
+    starts: list[Starts],
     embeddings: dict[str, EmbeddingFunction],
     horizon: int,
     threads: int | None,
@@ -143,7 +146,7 @@ def _roll(
     for name, size in sizes.items():
         part = table[:, :, at : at + size]
         arrays[f"{name}.mean"] = part.mean(axis=1)
-        arrays[f"{name}.standard_error"] = part.std(axis=1, ddof=1) / np.sqrt(len(starts))
+        arrays[f"{name}.standard_error"] = part.std(axis=1, ddof=1) / np.sqrt(len(starts[0]))
         arrays[f"{name}.largest"] = np.abs(part).max(axis=1)
         at += size
     return arrays
@@ -158,7 +161,12 @@ def _read(path: Path, embeddings: dict[str, EmbeddingFunction]) -> dict[str, Flo
 
 
 def _path(
-    cache: Path, environment: Environment, chunk: list[Policy], starts: Starts, embeddings: list[str], horizon: int
+    cache: Path,
+    environment: Environment,
+    chunk: list[Policy],
+    starts: list[Starts],
+    embeddings: list[str],
+    horizon: int,
 ) -> Path | None:
     """Where a chunk is kept, or None where a policy's content cannot be named."""
     digests = [getattr(policy, "digest", None) for policy in chunk]
@@ -168,7 +176,7 @@ def _path(
         "format": FORMAT,
         "environment": environment.gymnasium_id,
         "versions": {name: version(name) for name in ("mujoco", "gymnasium", "numpy")},
-        "starts": hashlib.sha256(np.ascontiguousarray(starts.seeds, np.int64).tobytes()).hexdigest(),
+        "starts": hashlib.sha256(np.stack([own.seeds for own in starts]).tobytes()).hexdigest(),
         "horizon": horizon,
         "embeddings": embeddings,
         "policies": [digest() for digest in digests],  # type: ignore[misc]

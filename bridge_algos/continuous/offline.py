@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from bridge_algos.continuous.candidates import Candidates, feature_ball, make_candidates
 from bridge_algos.continuous.clone_cache import cached_clone
-from bridge_algos.continuous.cloning import Clone
+from bridge_algos.continuous.cloning import Clone, Statistics, demonstrated_statistics
 from bridge_algos.continuous.config import ContinuousConfig
 from bridge_algos.continuous.demonstrations import load_demonstrations
 from bridge_algos.continuous.embeddings import Embedding, EmbeddingFunction, embeddings_for, make_embedding
@@ -20,6 +20,7 @@ from bridge_algos.continuous.experts import load_expert
 from bridge_algos.continuous.features import Features, candidate_features
 from bridge_algos.continuous.policies import MlpPolicy
 from bridge_algos.continuous.rollouts import rollout
+from bridge_algos.continuous.starts import Starts
 from bridge_algos.run.streams import stream
 from bridge_theory.errors import InputError
 
@@ -33,7 +34,7 @@ class OfflineStage:
 
     Args:
         candidates: the clone, its noisy copies, and always the expert as the last one, included in the search or not.
-        features: of all candidates, from common initial states, in the embedding's units.
+        features: of all candidates, in the embedding's units.
         in_ball: (N,) which candidates lie in the offline set.
     """
 
@@ -90,9 +91,24 @@ def demonstrations_and_clone(
         every_fifth = np.arange(len(given)) % HELD_OUT == HELD_OUT - 1
         demonstrations, held_out = _part(given, ~every_fifth), _part(given, every_fifth)
     settings = {name: getattr(config, name) for name in ("hidden", "epochs", "batch", "rate")}
-    settings["normalise"] = config.normalise_observations
-    cloned = cached_clone(cache, demonstrations, stream(seed, "clone"), held_out if len(held_out) else None, settings)
+    statistics = _statistics(config, demonstrations, expert)
+    validation = held_out if len(held_out) else None
+    cloned = cached_clone(cache, demonstrations, stream(seed, "clone"), validation, statistics, settings)
     return environment, expert, demonstrations, cloned
+
+
+def _statistics(config: ContinuousConfig, demonstrations: Episodes, expert: MlpPolicy) -> Statistics | None:
+    """By what the clone standardises its observations."""
+    if config.normalise_observations == "none":
+        return None
+    if config.normalise_observations == "demonstrations":
+        return demonstrated_statistics(demonstrations)
+    if expert.observation_mean is None or expert.observation_scale is None:
+        raise InputError(
+            "normalise_observations is 'expert', but this expert does not standardise its observations; use "
+            "'demonstrations' or 'none'."
+        )
+    return expert.observation_mean, expert.observation_scale
 
 
 def candidates_of(config: ContinuousConfig, cloned: Clone, expert: MlpPolicy, seed: int) -> Candidates:
@@ -125,7 +141,7 @@ def offline_stage(
     estimates = candidate_features(
         environment,
         candidates,
-        draw_starts(environment, config.rollouts, stream(seed, "starts")),
+        _starts(config, environment, len(candidates), seed),
         functions,
         horizon=config.horizon,
         cache=cache if user is None else None,
@@ -135,6 +151,14 @@ def offline_stage(
     features = estimates[config.embedding].scaled(embedding.scale)
     in_ball = feature_ball(features.mean, features.mean[0], config.radius)
     return OfflineStage(environment, demonstrations, cloned, candidates, embedding, features, in_ball)
+
+
+def _starts(config: ContinuousConfig, environment: Environment, policies: int, seed: int) -> Starts | list[Starts]:
+    """The initial states that all policies share, or each policy's own."""
+    rng = stream(seed, "starts")
+    if config.common_starts:
+        return draw_starts(environment, config.rollouts, rng)
+    return [draw_starts(environment, config.rollouts, own) for own in rng.spawn(policies)]
 
 
 def _part(episodes: Episodes, chosen: NDArray[np.bool_]) -> Episodes:

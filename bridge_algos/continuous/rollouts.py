@@ -40,7 +40,7 @@ def rollout(
     progress: bool = False,
 ) -> Episodes:
     """One episode of a policy from each start; the arguments are those of :func:`map_rollouts`."""
-    items = _items(environment, [policy], starts, lambda episodes: episodes, horizon, rng, threads, progress)
+    items = _items(environment, [policy], [starts], lambda episodes: episodes, horizon, rng, threads, progress)
     blocks = [episodes for _, episodes in items]
     return Episodes(*(np.concatenate([getattr(block, field.name) for block in blocks]) for field in fields(Episodes)))
 
@@ -48,7 +48,7 @@ def rollout(
 def map_rollouts(
     environment: Environment,
     policies: Sequence[Policy],
-    starts: Starts,
+    starts: Starts | Sequence[Starts],
     function: Callable[[Episodes], FloatArray],
     *,
     horizon: int | None = None,
@@ -61,7 +61,7 @@ def map_rollouts(
     Args:
         environment: the environment.
         policies: N policies, made as they are needed (a lazy sequence keeps memory small).
-        starts: n initial states, common to all policies.
+        starts: n initial states, common to all policies, or n for each of them, one entry a policy.
         function: from episodes to (m, k) numbers, row i from episode i; called on blocks, from several threads.
         horizon: steps H at most; None for the environment's own limit.
         rng: None for mean actions; a generator for actions of Gaussian policies, one child generator a policy.
@@ -69,11 +69,17 @@ def map_rollouts(
         progress: whether to show a progress bar.
 
     Raises:
-        InputError: a horizon out of range, a policy without ``std`` though ``rng`` is given, or a policy whose actions
-            have another shape or are not finite.
+        InputError: a horizon out of range, lists of starts that do not fit the policies, a policy without ``std``
+            though ``rng`` is given, or a policy whose actions have another shape or are not finite.
     """
     results: list[list[FloatArray]] = [[] for _ in range(len(policies))]  # a lazy sequence is not to be gone through
-    for index, values in _items(environment, policies, starts, function, horizon, rng, threads, progress):
+    own = [starts] * len(policies) if isinstance(starts, Starts) else list(starts)
+    if len(own) != len(policies) or len({len(each) for each in own}) > 1:
+        raise InputError(
+            f"{len(own)} lists of initial states were given for {len(policies)} policies, expected one common to all, "
+            "or one for each policy, equally long."
+        )
+    for index, values in _items(environment, policies, own, function, horizon, rng, threads, progress):
         results[index].append(values)
     return np.stack([np.concatenate(blocks) for blocks in results])
 
@@ -81,7 +87,7 @@ def map_rollouts(
 def _items(
     environment: Environment,
     policies: Sequence[Policy],
-    starts: Starts,
+    starts: list[Starts],
     function: Callable[[Episodes], Any],
     horizon: int | None,
     rng: np.random.Generator | None,
@@ -97,10 +103,10 @@ def _items(
 
     def work(policy: Policy, part: Starts, generator: np.random.Generator | None) -> Any:
         if not hasattr(own, "block"):
-            own.block = environment.new_block(min(BLOCK, len(starts)))
+            own.block = environment.new_block(min(BLOCK, len(starts[0])))
         return function(_run(environment, own.block, policy, part, steps, generator))
 
-    bar = tqdm(total=len(policies) * len(starts), unit="episode", disable=not progress)
+    bar = tqdm(total=len(policies) * len(starts[0]), unit="episode", disable=not progress)
     pool = ThreadPoolExecutor(workers)
     # More BLAS threads would only take the cores from the pool's, and might change the last bits.
     with bar, threadpool_limits(1, user_api="blas"):
@@ -117,12 +123,12 @@ def _items(
 
 
 def _blocks(
-    policies: Sequence[Policy], starts: Starts, rng: np.random.Generator | None
+    policies: Sequence[Policy], starts: list[Starts], rng: np.random.Generator | None
 ) -> Iterator[tuple[int, Starts, Policy, np.random.Generator | None]]:
-    parts = [starts[first : first + BLOCK] for first in range(0, len(starts), BLOCK)]
     generators = [None] * len(policies) if rng is None else rng.spawn(len(policies))
     for index, generator in enumerate(generators):
-        policy = policies[index]
+        policy, own = policies[index], starts[index]
+        parts = [own[first : first + BLOCK] for first in range(0, len(own), BLOCK)]
         children = [None] * len(parts) if generator is None else generator.spawn(len(parts))
         for part, child in zip(parts, children, strict=True):
             yield index, part, policy, child

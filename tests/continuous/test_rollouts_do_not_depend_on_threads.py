@@ -14,6 +14,7 @@ from bridge_algos.continuous.environments import draw_starts, make_environment
 from bridge_algos.continuous.episodes import Episodes
 from bridge_algos.continuous.policies import MlpPolicies
 from bridge_algos.continuous.rollouts import map_rollouts, rollout
+from bridge_theory.errors import InputError
 
 STEPS = {"reacher": 50, "ant": 25}
 
@@ -61,6 +62,18 @@ def test_other_policies_and_further_starts(case):
         for n, steps in ((70, horizon), (10, horizon - 5))
     ]
     np.testing.assert_array_equal(sampled[1].actions, sampled[0].actions[:10, : horizon - 5])
+
+
+def test_policies_may_start_from_their_own_states(case):
+    environment, policies, starts, horizon = case
+    own = [starts[:20], starts[30:50], starts[50:]]
+    values = map_rollouts(environment, policies, own, everything, horizon=horizon)
+    for index, part in enumerate(own):
+        alone = map_rollouts(environment, [policies[index]], part, everything, horizon=horizon)
+        np.testing.assert_array_equal(values[index], alone[0])
+    for wrong in (own[:2], [*own[:2], starts[50:60]]):
+        with pytest.raises(InputError, match="lists of initial states were given for 3 policies"):
+            map_rollouts(environment, policies, wrong, everything, horizon=horizon)
 
 
 def test_functions_see_the_episodes(case):

@@ -7,18 +7,21 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from bridge_algos.continuous.environments import SHORT_NAMES, Environment
+from bridge_algos.continuous.environments import Environment
 from bridge_algos.continuous.foreign_policies import policy_from_sb3_zip
 from bridge_algos.continuous.policies import MlpPolicy
 from bridge_algos.continuous.policy_files import load_policy
 from bridge_theory.errors import InputError
+
+SHIPPED = ("reacher", "reacher-zoo", "ant")
+"""Experts that ship with the package: the best ones, and one trained as the paper's was, with the Zoo's settings."""
 
 
 def load_expert(source: str | Path, environment: Environment) -> MlpPolicy:
     """An expert for an environment; nothing in its file is executed.
 
     Args:
-        source: "reacher" or "ant" (shipped), the path of a ``.safetensors`` file written by ``save_policy``, or the
+        source: one of ``SHIPPED``, the path of a ``.safetensors`` file written by ``save_policy``, or the
             path of a ``.zip`` of Stable-Baselines3. A callable needs no loading: pass it to the rollouts.
         environment: whose dimensions it must fit.
 
@@ -36,7 +39,7 @@ def load_expert(source: str | Path, environment: Environment) -> MlpPolicy:
             "pass policy_from_module(module) to the rollouts."
         )
     else:
-        known = ", ".join(SHORT_NAMES)
+        known = ", ".join(SHIPPED)
         raise InputError(f"there is no expert {str(source)!r}; expected {known}, a .safetensors file or an SB3 .zip.")
     sizes = (policy.observation_size, policy.action_size)
     expected = (environment.observation_size, environment.action_size)
@@ -63,6 +66,6 @@ def expert_card(source: str | Path) -> dict[str, Any]:
 
 def shipped_path(name: str) -> Path | None:
     """The file of a shipped expert, or None where the name is not one's."""
-    if name.lower() not in SHORT_NAMES:
+    if name.lower() not in SHIPPED:
         return None
     return Path(str(files("bridge_algos.continuous").joinpath(f"expert_files/{name.lower()}.safetensors")))

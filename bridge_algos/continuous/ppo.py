@@ -19,10 +19,9 @@ from pathlib import Path
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from bridge_algos.continuous.environments import Environment, draw_starts, make_environment
+from bridge_algos.continuous.environments import Environment, draw_starts
 from bridge_algos.continuous.episodes import Episodes
 from bridge_algos.continuous.moments import Moments
-from bridge_algos.continuous.needs import need
 from bridge_algos.continuous.policies import MlpPolicy
 from bridge_algos.continuous.ppo_gradient import Batch, Networks
 from bridge_algos.continuous.ppo_learner import Learner, load_checkpoint, save_checkpoint
@@ -50,9 +49,6 @@ class PpoSettings:
         minibatch: steps a gradient step.
         rate: first learning rate of Adam.
         initial_std: of the actions.
-        least_std: a floor under the deviation of the actions, which keeps exploration alive.
-        coarse: how many of the first iterations use Euler's method in place of the environment's integrator: a third
-            of the cost for nearly the same dynamics, to which the remaining iterations adapt the policy.
     """
 
     horizon: int
@@ -66,13 +62,11 @@ class PpoSettings:
     minibatch: int = 800
     rate: float = 1e-3
     initial_std: float = 0.5
-    least_std: float = 0.0
-    coarse: int = 0
 
 
 PRESETS = {
     "reacher": PpoSettings(horizon=50, episodes=128, iterations=300),
-    "ant": PpoSettings(horizon=100, episodes=80, iterations=1000, least_std=0.1, coarse=300),
+    "ant": PpoSettings(horizon=100, episodes=80, iterations=1000, discount=0.97),
 }
 
 
@@ -98,24 +92,16 @@ def train(
     from tqdm import tqdm
 
     identity = json.dumps({"environment": environment.gymnasium_id, "seed": seed, **asdict(settings)})
-    coarse = _with_euler(environment)
     learner, done = load_checkpoint(checkpoint, identity) or (_fresh(environment, settings, seed), 0)
     # More BLAS threads do not help networks this small, and might change the last bits.
     with threadpool_limits(1), tqdm(total=settings.iterations, initial=done, unit="iteration") as bar:
         for iteration in range(done, settings.iterations):
-            world = coarse if iteration < settings.coarse else environment
-            score = _iterate(world, settings, learner, seed, iteration, threads)
+            score = _iterate(environment, settings, learner, seed, iteration, threads)
             bar.set_postfix_str(f"return {score:.2f}")
             bar.update()
             if (iteration + 1) % _CHECKPOINT_EVERY == 0 or iteration + 1 == settings.iterations:
                 save_checkpoint(checkpoint, identity, learner, iteration + 1)
     return _policy(environment, settings, learner)
-
-
-def _with_euler(environment: Environment) -> Environment:
-    copy = make_environment(environment.gymnasium_id)
-    copy.reference.model.opt.integrator = need("mujoco").mjtIntegrator.mjINT_EULER
-    return copy
 
 
 def _iterate(
@@ -178,7 +164,6 @@ def _networks(environment: Environment, settings: PpoSettings) -> Networks:
         settings.hidden,
         environment.low,
         environment.high,
-        settings.least_std,
     )
 
 

@@ -59,7 +59,6 @@ class Networks:
         hidden: neurons of each hidden layer.
         low: (d_a,) least actions.
         high: (d_a,) greatest actions.
-        least_std: floor under the deviations.
     """
 
     d_s: int
@@ -67,7 +66,6 @@ class Networks:
     hidden: int
     low: NDArray[np.floating]
     high: NDArray[np.floating]
-    least_std: float
 
     @cached_property
     def shapes(self) -> list[tuple[int, ...]]:
@@ -86,7 +84,7 @@ class Networks:
 
     def std(self, log_std: FloatArray) -> FloatArray:
         """(d_a,) deviations of the actions."""
-        return np.maximum(np.exp(log_std), self.least_std)
+        return np.exp(log_std)
 
     def values(self, vector: FloatArray, inputs: FloatArray) -> FloatArray:
         """The value function, (..., d_s) -> (...)."""
@@ -112,10 +110,9 @@ class Networks:
         slopes = np.where(ratios * gains <= limited * gains, ratios * gains, 0.0)[:, None] / m
         values, value_cache = _forward(value, batch.inputs)
         errors = (values[:, 0] - batch.targets)[:, None] / m
-        free = np.exp(log_std) >= self.least_std
         parts = [
             *_backward(policy, policy_cache, -slopes * d_means),
-            -(slopes * d_logs).sum(axis=0) * free,
+            -(slopes * d_logs).sum(axis=0),
             *_backward(value, value_cache, errors),
         ]
         return np.concatenate([part.ravel() for part in parts])

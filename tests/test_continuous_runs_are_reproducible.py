@@ -16,12 +16,15 @@ pytest.importorskip("torch", reason="cloning needs torch, of the extra 'continuo
 
 from bridge_algos.continuous import features as features_module
 from bridge_algos.continuous.config import ContinuousConfig, continuous_preset
+from bridge_algos.continuous.environments import draw_starts
 from bridge_algos.continuous.offline import demonstrations_and_clone, offline_stage
 from bridge_algos.continuous.policy_files import save_policy
+from bridge_algos.continuous.rollouts import rollout
 from bridge_algos.continuous.seed import run_seed
 from bridge_algos.run.configuration import read_configuration
 from bridge_algos.run.runner import run
 from bridge_algos.run.store import load_run
+from bridge_algos.run.streams import stream
 from bridge_theory.errors import InputError
 
 ROOT = Path(__file__).parent.parent
@@ -73,14 +76,22 @@ def test_the_expert_is_no_candidate_unless_asked_and_both_share_the_rollouts(own
         assert float(excluded[shared]) == float(included[shared])
 
 
-def test_regret_is_that_of_the_paired_rollouts(tmp_path: Path) -> None:
-    from bridge_algos.continuous.offline import offline_stage
-
+def test_regret_is_judged_on_fresh_starts_and_also_read_as_published(tmp_path: Path) -> None:
     result, stage = run_seed(TINY, 1, cache=None), offline_stage(TINY, 1, cache=None)
     returns = stage.features.returns.mean(axis=1)
+    fresh = draw_starts(stage.environment, TINY.rollouts, stream(1, "judge"))
+    assert not np.isin(fresh.seeds, draw_starts(stage.environment, TINY.rollouts, stream(1, "starts")).seeds).any()
+
+    def judged(index: int) -> float:
+        return float(rollout(stage.environment, stage.candidates[index], fresh, horizon=TINY.horizon).returns.mean())
+
+    expert = judged(len(stage.candidates) - 1)
     for name in ("bridge", "pbrl"):
         own = result.sel(algorithm=name)
-        np.testing.assert_allclose(own.suboptimality, returns[-1] - returns[own.greedy.astype(int)], rtol=1e-12)
+        chosen = own.greedy.astype(int)
+        np.testing.assert_allclose(own.suboptimality_seen, returns[-1] - returns[chosen], rtol=1e-12)
+        by_hand = [expert - judged(int(index)) for index in chosen]
+        np.testing.assert_allclose(own.suboptimality, by_hand, rtol=1e-9)
         pair = returns[own["first"].astype(int)] + returns[own.second.astype(int)]
         gap = own.pseudo_regret + pair / 2
         np.testing.assert_allclose(gap, gap[0], rtol=1e-12)
@@ -136,7 +147,7 @@ def test_a_result_carries_its_configuration(tmp_path: Path) -> None:
     assert isinstance(described, ContinuousConfig)
     assert described.expert_digest is not None
     assert described.but(expert_digest=None) == TINY
-    with pytest.raises(InputError, match="the expert 'reacher' has changed"):
+    with pytest.raises(InputError, match="the expert 'reacher-zoo' has changed"):
         run(TINY.but(expert_digest="0"), tmp_path / "run", seeds=1)
     assert isinstance(read_configuration(TINY.to_json()), ContinuousConfig)
     assert all("units" in stored[name].attrs for name in stored.data_vars)

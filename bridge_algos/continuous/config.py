@@ -146,8 +146,9 @@ class ContinuousConfig(Configuration):
 
 
 _PUBLISHED: dict[str, dict[str, Any]] = {
-    "reacher": {},
+    "reacher": {"expert": "reacher-zoo", "common_starts": False},  # the published expert has the same settings
     "ant": {
+        "common_starts": False,
         "n_demonstrations": 30,
         "horizon": 100,
         "hidden": 256,

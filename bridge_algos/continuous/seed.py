@@ -11,6 +11,7 @@ from threadpoolctl import threadpool_limits
 
 from bridge_algos.continuous.config import ContinuousConfig
 from bridge_algos.continuous.embeddings import EmbeddingFunction
+from bridge_algos.continuous.judging import judged_gaps
 from bridge_algos.continuous.offline import OfflineStage, offline_stage
 from bridge_algos.continuous.problem import SimulatedProblem, make_learner
 from bridge_algos.continuous.yardsticks import best_policy, regret_errors, standard_error
@@ -37,20 +38,21 @@ def run_seed(
 
     Returns:
         The data set of :func:`bridge_algos.run.dataset.seed_dataset`, with ``first``, ``second`` and ``greedy`` as
-        indices of candidates (0 is the clone, the last one the expert), and besides it, over (algorithm, round),
-        ``suboptimality_error`` and ``cumulative_error``: Monte-Carlo standard errors of the regret against the expert,
-        of a round and cumulated. ``suboptimality`` less ``best_candidate`` is the regret against the best candidate
-        that the algorithm searched. The numbers depend on configuration, seed and ``user`` only.
+        indices of candidates (0 is the clone, the last one the expert). ``suboptimality`` is judged on fresh initial
+        states, ``suboptimality_seen`` on the rollouts that made the features, as in the published runs. Besides it,
+        over (algorithm, round), ``suboptimality_error`` and ``cumulative_error``: Monte-Carlo standard errors of the
+        regret against the expert, of a round and cumulated. ``suboptimality`` less ``best_candidate`` is the regret
+        against the best candidate that the algorithm searched. The numbers depend on configuration, seed and ``user``
+        only.
     """
     with threadpool_limits(1):
         stage = offline_stage(config, seed, cache=cache, threads=threads, progress=progress, user=user)
-        return _online(config, stage, seed)
+        return _online(config, stage, seed, threads)
 
 
-def _online(config: ContinuousConfig, stage: OfflineStage, seed: int) -> xr.Dataset:
+def _online(config: ContinuousConfig, stage: OfflineStage, seed: int, threads: int | None) -> xr.Dataset:
     returns = stage.features.returns
     expert, clone = returns[-1], returns[0]
-    gaps = expert - returns
     everyone = make_learner("pbrl", config, stage).policies[:, 0]
     optimum, best = best_policy(returns, everyone)
     problem = SimulatedProblem(
@@ -61,21 +63,25 @@ def _online(config: ContinuousConfig, stage: OfflineStage, seed: int) -> xr.Data
         float(expert.mean()),
         config.horizon,
     )
-    records, errors, best_gaps = {}, {}, {}
+    records, choices, best_gaps = {}, {}, {}
     for name in config.algorithms:
         if name == "bc":
-            greedy = np.zeros(config.rounds, dtype=np.int64)
-            records[name] = constant_record(config.rounds, float(gaps[0].mean()), float((best - clone).mean()))
-            best_gaps[name] = gaps[0]
+            choices[name] = np.zeros(config.rounds, dtype=np.int64)
+            records[name] = constant_record(config.rounds, float((expert - clone).mean()), float((best - clone).mean()))
         else:
             learner = make_learner(name, config, stage)
             members = learner.policies[:, 0]
             records[name] = run_online(problem, learner, config.rounds, stream(seed, name))
             for entry in ("first", "second", "greedy"):
                 records[name][entry] = members[records[name][entry].astype(np.int64)].astype(np.float64)
-            greedy = records[name]["greedy"].astype(np.int64)
+            choices[name] = records[name]["greedy"].astype(np.int64)
             best_gaps[name] = expert - best_policy(returns, members)[1]
-        errors[name] = regret_errors(gaps, greedy)
+    judged = judged_gaps(config, stage, seed, np.concatenate([*choices.values(), [0]]), threads)
+    errors = [regret_errors(judged, chosen) for chosen in choices.values()]
+    seen = [record["suboptimality"] for record in records.values()]
+    for name, chosen in choices.items():
+        records[name]["suboptimality"] = judged.mean(axis=1)[chosen]
+    best_gaps = {name: judged[0] if name == "bc" else best_gaps[name] for name in choices}
     unit = {"units": "reward per trajectory"}
     below = {"units": "reward per trajectory below the expert"}
     attributes = {
@@ -84,22 +90,23 @@ def _online(config: ContinuousConfig, stage: OfflineStage, seed: int) -> xr.Data
         "expert": f"expert: {config.expert or f'shipped, {config.environment}'}, "
         f"{'a candidate' if config.include_expert else 'not a candidate'}",
     }
-    return seed_dataset(config, seed, records, _scalars(config, stage, gaps), attributes).assign(
+    return seed_dataset(config, seed, records, _scalars(config, stage, judged[0]), attributes).assign(
         best_candidate=("algorithm", [float(gap.mean()) for gap in best_gaps.values()], below),
         best_candidate_error=("algorithm", [float(standard_error(gap)) for gap in best_gaps.values()], below),
-        suboptimality_error=(("algorithm", "round"), np.stack([each for each, _ in errors.values()]), unit),
-        cumulative_error=(("algorithm", "round"), np.stack([total for _, total in errors.values()]), unit),
+        suboptimality_seen=(("algorithm", "round"), np.stack(seen), unit),
+        suboptimality_error=(("algorithm", "round"), np.stack([each for each, _ in errors]), unit),
+        cumulative_error=(("algorithm", "round"), np.stack([total for _, total in errors]), unit),
     )
 
 
-def _scalars(config: ContinuousConfig, stage: OfflineStage, gaps: np.ndarray) -> Scalars:
+def _scalars(config: ContinuousConfig, stage: OfflineStage, clone_gaps: np.ndarray) -> Scalars:
     features, reward, length = stage.features, "reward per trajectory", "norm of phi"
     distance = float(np.linalg.norm(features.mean[-1] - features.mean[0]))
     return {
         "expert_return": (float(features.returns[-1].mean()), reward),
         "expert_return_error": (float(standard_error(features.returns[-1])), reward),
         "clone_return": (float(features.returns[0].mean()), reward),
-        "clone_gap_error": (float(standard_error(gaps[0])), reward),
+        "clone_gap_error": (float(standard_error(clone_gaps)), reward),
         "demonstrated_return": (float(stage.demonstrations.returns.mean()), reward),
         "likelihood": (float(stage.clone.likelihood[-1]), "nats per action"),
         "held_out_likelihood": (float(stage.clone.validation[-1]), "nats per action"),
@@ -117,7 +124,8 @@ def caveats(config: ContinuousConfig) -> list[str]:
     """What of a run's settings has no guarantee."""
     return [
         "gamma is a hand-set number",
-        f"features and returns are means of {config.rollouts} rollouts, with errors",
+        f"features and returns are means of {config.rollouts} rollouts, with errors"
+        + ("" if config.common_starts else ", each policy's from its own initial states, so that luck decides too"),
         "the offline set is a ball of estimated features, not a Hellinger ball of the theory",
         "coordinates of the embedding leave [-1, 1], so that the paper's B does not hold; it is observed, not bounded",
         f"the teacher breaks: {return_oracle(config.oracle_options).breaks}",

@@ -7,7 +7,7 @@ import numpy as np
 from bridge_algos.run.configuration import ALGORITHMS
 
 _TABULAR = ("demonstrations", "noise", "ties", "candidates", "search", "network", *ALGORITHMS)
-PURPOSES = (*_TABULAR, "clone", "starts", "held-out")
+PURPOSES = (*_TABULAR, "clone", "starts", "held-out", "judge")
 
 
 def stream(seed: int, purpose: str) -> np.random.Generator:

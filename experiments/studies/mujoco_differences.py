@@ -1,0 +1,128 @@
+"""Why our Reacher curves lie off the published ones: what differs is made as published, one difference after another.
+
+The paper leaves open, and the authors' public code (github.com/pfriedric/bridge at 54a96a8, which was read, not run)
+settles: the expert has the Zoo's settings, the clone standardises its observations by the expert's statistics, and each
+candidate is rolled out from its own initial states, so that candidates also differ by luck. The published regret of the
+policy chosen is read off the same rollouts and clipped at zero in each round; every step is read in three ways.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from textwrap import fill
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from bridge_algos.run import plots
+from bridge_algos.run.runner import run
+from bridge_algos.run.summary import Mean, mean_over_seeds
+from experiments.published import ALGORITHMS, agreement, published_curves
+from experiments.studies.mujoco import configured
+
+READINGS = {
+    "published": "on the rollouts that chose it, clipped at zero (as published)",
+    "seen": "on the rollouts that chose it",
+    "fresh": "on fresh initial states",
+}
+MARKS = {"published": "v", "seen": "o", "fresh": "s"}
+
+
+def compute(settings: dict[str, Any], directory: Path, jobs: int) -> xr.Dataset:
+    """Runs with the expert among the candidates along ``step``; each step's ``changes`` join those before it."""
+    config, parts = configured(settings).but(include_expert=True), []
+    for number, step in enumerate(settings["steps"]):
+        config = config.but(**step["changes"])
+        results = run(config, directory / f"step-{number}", settings["seeds"], jobs).sel(seed=range(settings["seeds"]))
+        parts.append(results.drop_vars("seconds"))
+    joined = xr.concat(parts, dim="step", combine_attrs="drop_conflicts", join="exact")
+    for variable in joined.data_vars.values():
+        variable.encoding = {"zlib": True, "complevel": 9}
+    return joined.assign_coords(step=[step["label"] for step in settings["steps"]])
+
+
+def total(data: xr.Dataset, step: str, algorithm: str, reading: str) -> Mean:
+    """Cumulative regret after the last round, over seeds."""
+    own = data["suboptimality" if reading == "fresh" else "suboptimality_seen"].sel(step=step, algorithm=algorithm)
+    if reading == "published":
+        own = own.clip(min=0)
+    mean, half = mean_over_seeds(np.asarray(own.transpose("seed", "round")).sum(axis=1))
+    return Mean(float(mean), float(half))
+
+
+def figures(data: xr.Dataset) -> dict[str, Any]:
+    """Final regret of each algorithm over the steps, three readings, beside the published interval."""
+    from matplotlib.figure import Figure
+
+    picture, labels = Figure(figsize=(6.8, 3.4), layout="constrained"), [str(step) for step in data.step.values]
+    curves, heights = _published(data), np.arange(len(labels))[::-1]
+    for axes, name in zip(picture.subplots(1, 2, sharey=True), ALGORITHMS, strict=True):
+        if curves is not None:
+            published = _final(curves, name)
+            low, high = published.mean - published.half_width, published.mean + published.half_width
+            axes.axvspan(low, high, color="0.88", label="published, 95 % interval")
+            axes.axvline(published.mean, color="0.5", linewidth=1)
+        for offset, reading in zip((0.22, 0.0, -0.22), READINGS, strict=True):
+            totals = [total(data, label, name, reading) for label in labels]
+            axes.errorbar(
+                [each.mean for each in totals],
+                heights + offset,
+                xerr=[each.half_width for each in totals],
+                fmt=MARKS[reading],
+                markersize=4,
+                capsize=2,
+                color=plots.STYLES[name]["color"],
+                markerfacecolor="none" if reading == "fresh" else None,
+                label=READINGS[reading],
+            )
+        axes.set(yticks=heights, xlabel=f"cumulative regret after {data.sizes['round']} rounds")
+        axes.set_yticklabels([fill(label, 22) for label in labels], fontsize=8)
+        axes.set_title(plots.STYLES[name]["label"], fontsize=9)
+        axes.set_xlim(left=min(0.0, axes.get_xlim()[0]))
+        axes.grid(alpha=0.3)
+    handles, names = axes.get_legend_handles_labels()
+    picture.legend(handles, names, loc="outside lower center", ncols=2, fontsize=7, frameon=False)
+    return {"": picture}
+
+
+def words(data: xr.Dataset) -> str:
+    """What each step makes of the final regret and of |Pi_t|, beside the published numbers."""
+    curves = _published(data)
+    lines = [
+        f"{data.sizes['seed']} seeds, expert among the candidates, {data.sizes['round']} rounds; mean ± 95 % "
+        "half-width over seeds. Each step keeps the changes of those before it."
+    ]
+    for label in (str(step) for step in data.step.values):
+        own = data.sel(step=label)
+        expert, clone = (Mean(*(float(v) for v in mean_over_seeds(np.asarray(own[k])))) for k in RETURNS)
+        lines += ["", f"{label}: the expert returns {expert}, the clone {clone}."]
+        for name in ALGORITHMS:
+            told = "; ".join(f"{total(data, label, name, reading)} {what}" for reading, what in READINGS.items())
+            size = float(own.set_size.sel(algorithm=name).isel(round=-1).mean())
+            lines.append(f"  {plots.STYLES[name]['label']}: cumulative regret {told}; {size:.1f} policies left.")
+    if curves is None:
+        return "\n".join([*lines, "", "Not compared with the published curves, which have other rounds."])
+    lines += ["", f"Published: the expert returns {curves['expert_return']:.2f}, the clone {curves['bc_return']:.2f}."]
+    last = str(data.step.values[-1])
+    for name in ALGORITHMS:
+        left = curves[name]["policy_set_size"]["mean"][-1]
+        found = agreement(total(data, last, name, "published"), _final(curves, name))
+        lines.append(
+            f"{plots.STYLES[name]['label']}, last step, as published: {found}; published: {left:.1f} policies left."
+        )
+    return "\n".join(lines)
+
+
+RETURNS = ("expert_return", "clone_return")
+
+
+def _published(data: xr.Dataset) -> dict[str, Any] | None:
+    """The published curves, or None where they have another number of rounds."""
+    curves = published_curves(configured(json.loads(data.attrs["settings"])).environment)
+    return curves if curves is not None and curves["rounds"] == data.sizes["round"] else None
+
+
+def _final(curves: dict[str, Any], algorithm: str) -> Mean:
+    return Mean(*(curves[algorithm]["cumulative_regret"][key][-1] for key in ("mean", "ci95_half_width")))

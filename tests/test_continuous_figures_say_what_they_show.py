@@ -13,7 +13,7 @@ from bridge_algos.continuous.config import ContinuousConfig, continuous_preset
 from bridge_algos.netcdf import load_dataset
 from experiments.published import published_curves
 from experiments.reproduce import configuration, in_all, names, reproduce
-from experiments.studies import mujoco, mujoco_ablation
+from experiments.studies import mujoco, mujoco_ablation, mujoco_differences
 
 ALONE = ("ablation-reacher-demonstrations", "ablation-reacher-embeddings", "ablation-reacher-radius")
 TINY = {"small": 3, "large": 3, "rollouts": 4, "rounds": 3, "epochs": 1, "horizon": 8, "n_demonstrations": 2}
@@ -120,6 +120,25 @@ def test_ablations_run_and_leave_out_what_was_not_run(name: str, tmp_path: Path)
     assert len(last) == 2
     assert all(("pbrl" in line) == (name != "ablation-reacher-radius") for line in last)
     assert list(mujoco_ablation.figures(data)) == ["without-expert", "with-expert"]
+
+
+def test_the_differences_lead_to_the_published_preset(tmp_path: Path) -> None:
+    settings = configuration("published-differences-reacher")["settings"]
+    config = mujoco.configured(settings)
+    for step in settings["steps"]:
+        assert config.but(**step["changes"]) != config or not step["changes"]
+        config = config.but(**step["changes"])
+    published = continuous_preset("published", "reacher")
+    assert config == published.but(algorithms=config.algorithms)
+    described = tiny("published-differences-reacher")
+    described["settings"]["steps"] = [settings["steps"][0], settings["steps"][-1]]
+    text = reproduce("published-differences-reacher", described, tmp_path, jobs=1)
+    data = load_dataset(tmp_path / "data.nc", "")
+    assert "published curves, which have other rounds" in text
+    for reading, variable, clip in (("seen", "suboptimality_seen", None), ("published", "suboptimality_seen", 0)):
+        regret = data[variable].sel(step="our best expert", algorithm="pbrl").clip(min=clip)
+        total = mujoco_differences.total(data, "our best expert", "pbrl", reading)
+        assert total.mean == pytest.approx(float(regret.sum("round").mean()))
 
 
 def test_a_damaged_result_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

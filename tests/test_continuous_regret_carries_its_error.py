@@ -7,8 +7,8 @@ from bridge_algos.continuous.candidates import feature_ball, make_candidates
 from bridge_algos.continuous.embeddings import embeddings_for, make_embedding
 from bridge_algos.continuous.episodes import Episodes
 from bridge_algos.continuous.features import Features
+from bridge_algos.continuous.judging import regret_errors
 from bridge_algos.continuous.policies import MlpPolicy
-from bridge_algos.continuous.yardsticks import best_policy, regret_errors
 from bridge_theory.errors import InputError
 
 
@@ -103,23 +103,3 @@ def test_errors_of_cumulative_regret_do_not_average_out_over_rounds(rng: np.rand
     assert total[3] == pytest.approx(4 * each[0])
     by_hand = (4 * gaps[0] + gaps[2]).std(ddof=1) / 20
     assert total[4] == pytest.approx(by_hand)
-
-
-def test_the_best_candidates_return_is_not_overstated(rng: np.random.Generator) -> None:
-    """200 equally good candidates: the largest mean is luck, the judged half has none of it."""
-    overstated, judged = [], []
-    for _ in range(60):
-        returns = rng.normal(size=(200, 50))
-        index, sample = best_policy(returns, np.arange(200))
-        overstated.append(returns[index].mean())
-        judged.append(sample.mean())
-    assert np.mean(overstated) > 0.3
-    # the mean of 60 averages of 50 standard normals: 6 standard deviations
-    assert abs(np.mean(judged)) < 6 / np.sqrt(60 * 50)
-
-
-def test_only_members_can_be_best(rng: np.random.Generator) -> None:
-    returns = np.arange(5.0)[:, None] + 0.01 * rng.normal(size=(5, 30))
-    index, sample = best_policy(returns, np.array([0, 3, 1]))
-    assert index == 3
-    assert sample == pytest.approx(returns[3])

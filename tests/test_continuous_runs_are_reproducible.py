@@ -1,5 +1,6 @@
 """Same seed, same numbers, whatever the threads and processes; killed runs resume in the middle of a seed."""
 
+import json
 import signal
 import subprocess
 import sys
@@ -16,11 +17,13 @@ pytest.importorskip("torch", reason="cloning needs torch, of the extra 'continuo
 
 from bridge_algos.continuous import features as features_module
 from bridge_algos.continuous.config import ContinuousConfig, continuous_preset
-from bridge_algos.continuous.environments import draw_starts
+from bridge_algos.continuous.environments import draw_starts, make_environment
+from bridge_algos.continuous.experts import load_expert, shipped_path
 from bridge_algos.continuous.offline import demonstrations_and_clone, offline_stage
 from bridge_algos.continuous.policy_files import save_policy
 from bridge_algos.continuous.rollouts import rollout
 from bridge_algos.continuous.seed import run_seed
+from bridge_algos.netcdf import load_dataset, save_dataset
 from bridge_algos.run.configuration import read_configuration
 from bridge_algos.run.runner import run
 from bridge_algos.run.store import load_run
@@ -92,12 +95,32 @@ def test_regret_is_judged_on_fresh_starts_and_also_read_as_published(tmp_path: P
         np.testing.assert_allclose(own.suboptimality_seen, returns[-1] - returns[chosen], rtol=1e-12)
         by_hand = [expert - judged(int(index)) for index in chosen]
         np.testing.assert_allclose(own.suboptimality, by_hand, rtol=1e-9)
+        searched = np.flatnonzero(stage.in_ball[:-1]) if name == "bridge" else np.arange(len(returns) - 1)
+        looked_best = int(searched[returns[searched].argmax()])
+        assert float(own.best_candidate) == pytest.approx(expert - judged(looked_best), rel=1e-9)
         pair = returns[own["first"].astype(int)] + returns[own.second.astype(int)]
         gap = own.pseudo_regret + pair / 2
         np.testing.assert_allclose(gap, gap[0], rtol=1e-12)
         assert bool((own.suboptimality_error > 0).all())
     inside = np.linalg.norm(stage.features.mean - stage.features.mean[0], axis=1) < TINY.radius
     assert float(result.offline_set_count) == inside[:-1].sum()
+
+
+def test_a_learner_with_one_candidate_has_no_regret_against_it(own_cache: Path) -> None:
+    alone = run_seed(TINY.but(radius=1e-9, rollouts=20), 0, cache=own_cache)
+    for name in ("bridge", "bc"):
+        own = alone.sel(algorithm=name)
+        np.testing.assert_allclose(own.suboptimality, own.best_candidate, rtol=0, atol=1e-12)
+        np.testing.assert_allclose(own.suboptimality, alone.expert_return - alone.clone_return, rtol=1e-9)
+
+
+def test_results_of_another_meaning_are_not_mixed_in(tmp_path: Path) -> None:
+    run(TINY, tmp_path / "run", seeds=1)
+    path = next((tmp_path / "run").glob("seed-*.nc"))
+    old = load_dataset(path, "")
+    save_dataset(path, old.assign_attrs(format=1))
+    with pytest.raises(InputError, match="version of this package that defines numbers otherwise"):
+        run(TINY, tmp_path / "run", seeds=2)
 
 
 def test_a_killed_run_resumes_in_the_middle_of_a_seed(tmp_path: Path) -> None:
@@ -167,8 +190,7 @@ def test_the_clone_standardises_by_the_chosen_statistics(own_cache: Path) -> Non
             np.testing.assert_array_equal(cloned.observation_mean, mean)
     raw = own_cache / "raw.safetensors"
     save_policy(raw, replace(expert, observation_mean=None, observation_scale=None), {})
-    with pytest.raises(InputError, match="this expert does not standardise its observations"):
-        demonstrations_and_clone(TINY.but(expert=str(raw)), 0, own_cache)
+    assert demonstrations_and_clone(TINY.but(expert=str(raw)), 0, own_cache)[3].policy.observation_mean is None
 
 
 def test_policies_with_their_own_starts_differ_by_luck_alone(own_cache: Path) -> None:
@@ -187,6 +209,48 @@ def test_damaged_features_are_named(own_cache: Path) -> None:
     victim.write_bytes(victim.read_bytes()[:500])
     with pytest.raises(InputError, match=f"{victim.name} is not a readable .npz file"):
         run_seed(TINY, 0, cache=own_cache)
+
+
+def test_damaged_clones_are_named(own_cache: Path) -> None:
+    run_seed(TINY, 0, cache=own_cache)
+    card = next((own_cache / "clones").glob("*.json"))
+    whole = card.read_text()
+    other = next((own_cache / "clones").glob("*.safetensors"))
+    for damaged in (
+        "{}",
+        "[1]",
+        whole.replace('"likelihood": [', '"likelihood": ["x", '),
+        whole.replace("policy", "p"),
+    ):
+        card.write_text(damaged)
+        with pytest.raises(InputError, match=r"card|delete both"):
+            run_seed(TINY, 0, cache=own_cache)
+    card.write_text(whole)
+    save_policy(other, load_expert("reacher", make_environment("reacher")), json.loads(whole))
+    with pytest.raises(InputError, match="delete both"):
+        run_seed(TINY, 0, cache=own_cache)
+
+
+def test_users_own_environments_are_not_cached(own_cache: Path) -> None:
+    """The same id may stand for another reward the next time."""
+    import gymnasium
+
+    expert = str(shipped_path("reacher"))
+    returns = []
+    for weight in (1, 100):
+        gymnasium.register(
+            "MineOfTheTest-v0",
+            "gymnasium.envs.mujoco.reacher_v5:ReacherEnv",
+            max_episode_steps=50,
+            kwargs={"reward_dist_weight": weight},
+        )
+        try:
+            config = TINY.but(environment="MineOfTheTest-v0", expert=expert)
+            returns.append(offline_stage(config, 0, cache=own_cache).features.returns[-1].mean())
+        finally:
+            del gymnasium.registry["MineOfTheTest-v0"]
+    assert returns[1] < 10 * returns[0]
+    assert not list((own_cache / "features").rglob("*.npz"))
 
 
 def test_every_embedding_rule_and_fit_runs(own_cache: Path) -> None:

@@ -14,9 +14,11 @@ from bridge_algos.continuous.episodes import Episodes, episodes_digest
 from bridge_algos.continuous.experts import expert_card
 from bridge_algos.continuous.policy_files import load_policy, save_policy
 from bridge_algos.run.versions import package_versions
+from bridge_theory.errors import InputError
 
-FORMAT = 2
-"""Changes whenever the definition of the fit does."""
+FORMAT = 3
+"""Changes whenever the definition of the fit or of the card does."""
+CURVES = ("likelihood", "validation")
 
 
 def cached_clone(
@@ -49,7 +51,14 @@ def cached_clone(
     path = cache / "clones" / f"{name}.safetensors"
     if not path.with_suffix(".json").exists():  # the card is written last
         fitted = clone(demonstrations, rng, validation=validation, statistics=statistics, **settings)
-        curves = {"likelihood": fitted.likelihood.tolist(), "validation": fitted.validation.tolist()}
-        save_policy(path, fitted.policy, {"made of": identity, **curves})
-    card = expert_card(path)
-    return Clone(load_policy(path), np.array(card["likelihood"]), np.array(card["validation"]))
+        kept = {name: getattr(fitted, name).tolist() for name in CURVES}
+        save_policy(path, fitted.policy, {"made of": identity, "policy": fitted.policy.digest(), **kept})
+        return fitted
+    card, policy = expert_card(path), load_policy(path)
+    curves = [np.asarray(card.get(name, ()), dtype=object) for name in CURVES]
+    known = card.get("made of") == json.loads(json.dumps(identity)) and card.get("policy") == policy.digest()
+    if not known or any(curve.shape != (settings["epochs"],) for curve in curves):
+        raise InputError(
+            f"{path} and its card do not hold what was kept there; delete both, so that it is fitted again."
+        )
+    return Clone(policy, *(curve.astype(np.float64) for curve in curves))

@@ -22,6 +22,8 @@ from bridge_theory.errors import InputError
 
 INITIAL_LOG_STD = -2.0
 Statistics = tuple[FloatArray, FloatArray]
+_CONSTANT = 1e-6
+"""A coordinate that deviates less is taken as constant: divided by so little, the next value would be cut."""
 CLIP = 10.0
 """Normalised observations are cut at this many standard deviations, as Stable-Baselines3 does."""
 
@@ -117,9 +119,10 @@ def clone(
 
 
 def demonstrated_statistics(demonstrations: Episodes) -> Statistics:
-    """Mean and deviation of the demonstrated observations, (d_s,) each."""
+    """Mean and deviation of the demonstrated observations, (d_s,) each; 1 for a coordinate that does not vary."""
     states = _steps(demonstrations)[0]
-    return states.mean(axis=0), states.std(axis=0) + 1e-8
+    deviation = states.std(axis=0)
+    return states.mean(axis=0), np.where(deviation > _CONSTANT, deviation, 1.0)
 
 
 def log_likelihood(policy: MlpPolicy, states: FloatArray, actions: FloatArray) -> float:

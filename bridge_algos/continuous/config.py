@@ -75,7 +75,8 @@ class ContinuousConfig(Configuration):
         horizon: H, after which episodes are cut.
         hidden, epochs, batch, rate: of the cloning, see :func:`bridge_algos.continuous.cloning.clone`.
         normalise_observations: by whose statistics the clone standardises its observations, ``"demonstrations"``,
-            ``"expert"`` (as in the published runs on Reacher, whose simulator does it for everyone), or ``"none"``.
+            ``"expert"`` (as the expert does, if it does; in the published runs the simulator does it for everyone),
+            or ``"none"``.
         small, large, sigma, large_factor: of the candidates, see
             :func:`bridge_algos.continuous.candidates.make_candidates`.
         radius: of the offline set, in units of the embedding.
@@ -107,7 +108,7 @@ class ContinuousConfig(Configuration):
     epochs: int = 100
     batch: int = 32
     rate: float = 1e-3
-    normalise_observations: str = "expert"
+    normalise_observations: str = "demonstrations"
     small: int = 100
     large: int = 400
     sigma: float = 0.01
@@ -146,7 +147,11 @@ class ContinuousConfig(Configuration):
 
 
 _PUBLISHED: dict[str, dict[str, Any]] = {
-    "reacher": {"expert": "reacher-zoo", "common_starts": False},  # the published expert has the same settings
+    "reacher": {
+        "expert": "reacher-zoo",  # trained with the published expert's settings
+        "normalise_observations": "expert",
+        "common_starts": False,
+    },
     "ant": {
         "common_starts": False,
         "n_demonstrations": 30,
@@ -162,7 +167,7 @@ _PUBLISHED: dict[str, dict[str, Any]] = {
 
 
 def continuous_preset(name: str, environment: str) -> ContinuousConfig:
-    """The settings of the authors' published runs, but for ``include_expert``; other environments take Reacher's.
+    """The settings of the authors' published runs, but for ``include_expert``; others take the defaults.
 
     >>> continuous_preset("published", "ant").radius
     0.3

@@ -68,11 +68,11 @@ class Episodes:
         return np.asarray(self.rewards.sum(axis=1))
 
     def checked(self, environment: Environment) -> Episodes:
-        """Itself, after making sure that the episodes fit an environment.
+        """The episodes in the types above, after making sure that they fit an environment.
 
         Raises:
             InputError: no episode, other dimensions, actions out of range, lengths that do not fit, or values that are
-                not finite.
+                no finite numbers.
         """
         d_s, d_a = environment.observation_size, environment.action_size
         if self.actions.ndim != 3 or self.actions.shape[2] != d_a or self.actions.size == 0:
@@ -90,16 +90,25 @@ class Episodes:
                 )
         if self.lengths.dtype.kind not in "iu" or self.lengths.min() < 1 or self.lengths.max() > steps:
             raise InputError(f"lengths are not whole numbers from 1 to {steps}, the number of steps of the actions.")
-        for name in ("observations", "actions"):
-            if not np.isfinite(getattr(self, name)).all():
-                raise InputError(f"{name} hold values that are not finite; expected numbers.")
+        for name in ("observations", "actions", "rewards"):
+            values = getattr(self, name)
+            if values.dtype.kind not in "iuf" or not np.isfinite(values).all():
+                raise InputError(f"{name} ({values.dtype}) hold values that are not finite; expected real numbers.")
+        if self.terminated.dtype.kind != "b":
+            raise InputError(f"terminated has the type {self.terminated.dtype}, expected true or false.")
         low, high = environment.low, environment.high
         if (self.actions < low).any() or (self.actions > high).any():
             raise InputError(
                 f"actions go from {self.actions.min():g} to {self.actions.max():g}, expected the range of "
                 f"{environment.name}, {low.min():g} to {high.max():g}; clip or rescale them."
             )
-        return self
+        return Episodes(
+            self.observations.astype(np.float64),
+            self.actions.astype(np.float32),
+            self.rewards.astype(np.float64),
+            self.lengths.astype(np.int64),
+            self.terminated,
+        )
 
     def to_horizon(self, horizon: int) -> Episodes:
         """The first ``horizon`` steps: longer episodes are cut, and padded arrays of terminated ones made longer.

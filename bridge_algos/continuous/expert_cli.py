@@ -7,13 +7,19 @@ import shlex
 import sys
 from collections.abc import Sequence
 from dataclasses import asdict, replace
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from bridge_algos.continuous.expert_cards import EVALUATION_SEED
+from bridge_algos.continuous.experts import SHIPPED
 from bridge_theory.cli.options import Parser
 from bridge_theory.errors import InputError
+
+_LEAST = (("threads", 1), ("episodes", 1), ("n", 1), ("iterations", 1), ("steps", 1), ("horizon", 1), ("seed", 0))
+"""Least values of options."""
 
 
 def parser() -> argparse.ArgumentParser:
@@ -31,9 +37,13 @@ def parser() -> argparse.ArgumentParser:
     demonstrate = actions.add_parser("demonstrate", help="write demonstrations as .npz or as a Minari dataset")
     for sub in (evaluate, demonstrate):
         sub.add_argument("environment", help="reacher, ant, or a Gymnasium id of a MuJoCo environment")
-        sub.add_argument("--expert", help="a .safetensors file or an SB3 .zip (default: the shipped expert)")
-        sub.add_argument("--seed", type=int, default=0, help="of initial states and actions (default 0)")
+        shipped = ", ".join(SHIPPED)
+        sub.add_argument(
+            "--expert", help=f"a .safetensors file, an SB3 .zip, or one of {shipped} (default: the best shipped one)"
+        )
         sub.add_argument("--sampled", action="store_true", help="draw actions instead of taking their means")
+    evaluate.add_argument("--seed", type=int, default=EVALUATION_SEED, help="(default: that of the experts' cards)")
+    demonstrate.add_argument("--seed", type=int, default=0, help="of initial states and actions (default 0)")
     evaluate.add_argument("--episodes", type=int, default=1000, help="(default 1000)")
     demonstrate.add_argument("--n", type=int, default=20, help="number of demonstrations (default 20)")
     demonstrate.add_argument("--out", required=True, help="FILE.npz, or the id of a new Minari dataset (name-v0)")
@@ -46,7 +56,7 @@ def parser() -> argparse.ArgumentParser:
 def main(argv: list[str]) -> int:
     """Train, evaluate or demonstrate."""
     options = parser().parse_args(argv)
-    for name, least in (("threads", 1), ("episodes", 1), ("n", 1), ("iterations", 1), ("steps", 1), ("seed", 0)):
+    for name, least in _LEAST:
         value = getattr(options, name, None)
         if value is not None and value < least:
             raise InputError(f"--{name} is {value}, expected at least {least}.")
@@ -58,12 +68,16 @@ def _train(options: argparse.Namespace, argv: Sequence[str]) -> None:
     from bridge_algos.continuous import ppo, sb3_training
     from bridge_algos.continuous.environments import make_environment
     from bridge_algos.continuous.expert_cards import describe
-    from bridge_algos.continuous.policy_files import save_policy
+    from bridge_algos.continuous.policy_files import checked_path, save_policy
 
     environment = make_environment(options.environment)
     if environment.name not in ppo.PRESETS:
         raise InputError(f"there are no training settings for {environment.name!r}, expected {', '.join(ppo.PRESETS)}.")
-    out = options.out or Path("out") / f"expert-{environment.name}.safetensors"
+    unread = ("iterations",) if options.algorithm == "sb3" else ("steps",)
+    for name in unread:
+        if getattr(options, name) is not None:
+            raise InputError(f"--{name} is given, but {options.algorithm} does not take it; leave it out.")
+    out = checked_path(options.out or Path("out") / f"expert-{environment.name}.safetensors")
     settings: dict[str, Any]
     if options.algorithm == "ppo":
         chosen = {name: getattr(options, name) for name in ("iterations", "horizon")}
@@ -74,6 +88,7 @@ def _train(options: argparse.Namespace, argv: Sequence[str]) -> None:
     else:
         settings = {"steps": options.steps or sb3_training.STEPS}
         settings |= sb3_training.REACHER_PPO if environment.name == "reacher" else sb3_training.ANT_TD3
+        settings["stable-baselines3"] = version("stable-baselines3")
         unfinished = {"environment": environment.gymnasium_id, "unfinished": True}
         policy = sb3_training.train_with_sb3(
             environment, options.seed, settings["steps"], lambda snapshot: save_policy(out, snapshot, unfinished)
@@ -90,7 +105,7 @@ def _evaluate(options: argparse.Namespace, argv: Sequence[str]) -> None:
     from bridge_algos.continuous.experts import load_expert
 
     environment = make_environment(options.environment)
-    expert = load_expert(options.expert or options.environment, environment)
+    expert = load_expert(options.expert or environment.name, environment)
     result = evaluation(
         environment,
         expert,
@@ -113,7 +128,7 @@ def _demonstrate(options: argparse.Namespace, argv: Sequence[str]) -> None:
     from bridge_algos.continuous.rollouts import rollout
 
     environment = make_environment(options.environment)
-    expert = load_expert(options.expert or options.environment, environment)
+    expert = load_expert(options.expert or environment.name, environment)
     rng = np.random.default_rng(options.seed)
     starts = draw_starts(environment, options.n, rng)
     episodes = rollout(

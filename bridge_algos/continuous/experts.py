@@ -60,7 +60,7 @@ def expert_card(source: str | Path) -> dict[str, Any]:
     path = (shipped_path(str(source)) or Path(source)).with_suffix(".json")
     try:
         return dict(json.loads(path.read_text()))
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, TypeError) as error:
         raise InputError(f"the expert {str(source)!r} has no readable card {path.name} ({error}).") from None
 
 

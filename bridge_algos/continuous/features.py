@@ -1,4 +1,4 @@
-r"""Features of the candidates, estimated once from common initial states and kept on disk by content.
+r"""Features of the candidates, estimated once and kept on disk by content.
 
 For each policy: :math:`\hat\phi(\pi) = \frac1n \sum_i \phi(\tau_i)` with standard errors, all returns, and the largest
 absolute value of each coordinate over the n trajectories, which shows how far the paper's assumption of coordinates in
@@ -42,7 +42,7 @@ _ARRAYS = ("mean", "standard_error", "largest")
 
 @dataclass(frozen=True, eq=False)
 class Features:
-    """Estimates for N policies from n common initial states.
+    """Estimates for N policies from n initial states, common to all or each policy's own.
 
     Args:
         mean, standard_error: (N, d).
@@ -94,9 +94,9 @@ def candidate_features(
         policies: made as they are needed, a chunk at a time.
         starts: common to all policies, or as many for each of them, one entry a policy.
         embeddings: functions by name.
-        cache: directory of finished chunks; None keeps nothing. A chunk with a policy that has no ``digest``, such as
-            a user's own function, is never kept; nor should a user's own embedding be, whose name says nothing of its
-            content: pass None then.
+        cache: directory of finished chunks; None keeps nothing. Chunks of an environment that is not Gymnasium's own,
+            or with a policy that has no ``digest``, such as a user's own function, are never kept; nor should a user's
+            own embedding be, whose name says nothing of its content: pass None then.
         threads: of the rollouts; does not change the numbers.
 
     Raises:
@@ -111,7 +111,7 @@ def candidate_features(
         chunk, theirs = [policies[i] for i in rows], [own[i] for i in rows]
         path = None if cache is None else _path(cache, environment, chunk, theirs, list(embeddings), horizon)
         if path is not None and path.exists():
-            parts.append(_read(path, embeddings))
+            parts.append(_read(path, embeddings, len(chunk), len(theirs[0])))
             continue
         arrays = _roll(environment, chunk, theirs, embeddings, horizon, threads, progress)
         if path is not None:
@@ -152,12 +152,15 @@ def _roll(
     return arrays
 
 
-def _read(path: Path, embeddings: dict[str, EmbeddingFunction]) -> dict[str, FloatArray]:
+def _read(path: Path, embeddings: dict[str, EmbeddingFunction], policies: int, rollouts: int) -> dict[str, FloatArray]:
     names = ["returns", *(f"{name}.{array}" for name in embeddings for array in _ARRAYS)]
-    arrays = read_arrays(path, names)
-    if not all(np.isfinite(arrays[name]).all() for name in names):
-        raise InputError(f"{path} holds values that are not finite; delete it, so that it is computed again.")
-    return {name: arrays[name] for name in names}
+    stored = read_arrays(path, names)
+    arrays = {name: stored[name] for name in names}
+    numbers = all(array.dtype.kind == "f" and np.isfinite(array).all() for array in arrays.values())
+    sizes = {array.shape[:1] for array in arrays.values()}
+    if not numbers or sizes != {(policies,)} or arrays["returns"].shape != (policies, rollouts):
+        raise InputError(f"{path} does not hold what was kept there; delete it, so that it is computed again.")
+    return arrays
 
 
 def _path(
@@ -168,9 +171,11 @@ def _path(
     embeddings: list[str],
     horizon: int,
 ) -> Path | None:
-    """Where a chunk is kept, or None where a policy's content cannot be named."""
+    """Where a chunk is kept, or None where the content of a policy or of the environment cannot be named."""
     digests = [getattr(policy, "digest", None) for policy in chunk]
-    if not all(callable(digest) for digest in digests):
+    spec = environment.reference.spec  # a user's own environment may change under the same id
+    own = str(spec.entry_point).startswith("gymnasium.envs.mujoco.") and not spec.kwargs
+    if not own or not all(callable(digest) for digest in digests):
         return None
     identity = {
         "format": FORMAT,

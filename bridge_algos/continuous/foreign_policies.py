@@ -52,16 +52,13 @@ def policy_from_sb3_zip(path: str | Path) -> MlpPolicy:
         with zipfile.ZipFile(path) as archive:
             weights, settings = archive.read("policy.pth"), json.loads(archive.read("data"))
         state = torch.load(io.BytesIO(weights), map_location="cpu", weights_only=True)
+        arrays = {name: value.double().numpy() for name, value in state.items() if hasattr(value, "double")}
     except FileNotFoundError:
         raise InputError(f"{path} does not exist; give the path of a zip that Stable-Baselines3 saved.") from None
     except Exception as error:  # torch and zipfile raise many kinds on damaged files
         reason = str(error).partition("\n")[0]
         raise InputError(f"{path} is not a zip of a Stable-Baselines3 model with plain weights ({reason}).") from None
-    return policy_from_sb3_state(
-        {name: value.numpy().astype(np.float64) for name, value in state.items() if hasattr(value, "numpy")},
-        _activation(settings, str(path)),
-        str(path),
-    )
+    return policy_from_sb3_state(arrays, _activation(settings, str(path)), str(path))
 
 
 def policy_from_sb3_state(state: Mapping[str, FloatArray], activation: str | None, source: str) -> MlpPolicy:

@@ -99,16 +99,12 @@ def demonstrations_and_clone(
 
 def _statistics(config: ContinuousConfig, demonstrations: Episodes, expert: MlpPolicy) -> Statistics | None:
     """By what the clone standardises its observations."""
-    if config.normalise_observations == "none":
-        return None
     if config.normalise_observations == "demonstrations":
         return demonstrated_statistics(demonstrations)
-    if expert.observation_mean is None or expert.observation_scale is None:
-        raise InputError(
-            "normalise_observations is 'expert', but this expert does not standardise its observations; use "
-            "'demonstrations' or 'none'."
-        )
-    return expert.observation_mean, expert.observation_scale
+    mean, scale = expert.observation_mean, expert.observation_scale
+    if config.normalise_observations == "none" or mean is None or scale is None:
+        return None
+    return mean, scale
 
 
 def candidates_of(config: ContinuousConfig, cloned: Clone, expert: MlpPolicy, seed: int) -> Candidates:

@@ -1,12 +1,11 @@
-"""Small multilayer perceptrons as policies, and many of them as one matrix of parameters."""
+"""Small multilayer perceptrons as policies."""
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -138,30 +137,3 @@ class MlpPolicy:
             values: NDArray[np.float64] = np.zeros(0) if array is None else np.ascontiguousarray(array, np.float64)
             content.update(f"{values.shape}".encode() + values.tobytes())
         return content.hexdigest()
-
-
-@dataclass(frozen=True, eq=False)
-class MlpPolicies(Sequence[MlpPolicy]):
-    """N policies of one architecture.
-
-    Args:
-        template: gives architecture, normalisation and std; its own parameters do not count.
-        parameters: (N, P), one policy a row.
-    """
-
-    template: MlpPolicy
-    parameters: FloatArray
-
-    def __len__(self) -> int:
-        return len(self.parameters)
-
-    @overload
-    def __getitem__(self, index: int) -> MlpPolicy: ...
-
-    @overload
-    def __getitem__(self, index: slice) -> MlpPolicies: ...
-
-    def __getitem__(self, index: int | slice) -> MlpPolicy | MlpPolicies:
-        if isinstance(index, slice):
-            return replace(self, parameters=self.parameters[index])
-        return self.template.with_parameters(self.parameters[index])

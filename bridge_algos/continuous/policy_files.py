@@ -26,9 +26,7 @@ def save_policy(path: str | Path, policy: MlpPolicy, card: dict[str, Any]) -> No
     Raises:
         InputError: the path ends otherwise, or safetensors is not installed.
     """
-    target = Path(path)
-    if target.suffix != ".safetensors":
-        raise InputError(f"the policy's file is named {target.name!r}, expected a name that ends in '.safetensors'.")
+    target = checked_path(path)
     save = need("safetensors.numpy").save
     arrays = {f"weights.{i}": weight for i, weight in enumerate(policy.weights)}
     arrays |= {f"biases.{i}": bias for i, bias in enumerate(policy.biases)}
@@ -43,6 +41,18 @@ def save_policy(path: str | Path, policy: MlpPolicy, card: dict[str, Any]) -> No
     with atomic_write(target) as handle:
         handle.write(content)
     atomic_write_text(target.with_suffix(".json"), json.dumps(card, indent=2) + "\n")
+
+
+def checked_path(path: str | Path) -> Path:
+    """A path that a policy can be written to.
+
+    Raises:
+        InputError: its name has another ending.
+    """
+    target = Path(path)
+    if target.suffix != ".safetensors":
+        raise InputError(f"the policy's file is named {target.name!r}, expected a name that ends in '.safetensors'.")
+    return target
 
 
 def load_policy(path: str | Path) -> MlpPolicy:

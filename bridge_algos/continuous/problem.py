@@ -40,17 +40,13 @@ class SimulatedProblem:
     Args:
         stage: candidates and their features.
         oracle: who answers.
-        optimum: [i] of the candidate with the largest estimated return among those that any learner may search.
-        best_return: its return.
-        expert_return: the expert's, from the same initial states.
+        optimum: [i] of the candidate that looks best among those that any learner may search.
         horizon: H.
     """
 
     stage: OfflineStage
     oracle: Oracle
     optimum: IntArray
-    best_return: float
-    expert_return: float
     horizon: int
     w_star: None = None
 
@@ -59,10 +55,16 @@ class SimulatedProblem:
         """phi of single trajectories."""
         return TrajectoryEmbedding(self.stage.embedding)
 
+    @property
+    def expert_return(self) -> float:
+        """As seen in the rollouts that made the features."""
+        return float(self.stage.features.returns[-1].mean())
+
     def standing(self, policies: IntArray) -> tuple[FloatArray, float, bool]:
-        """Estimated returns of the policies, that of the best candidate, and whether it is among them."""
-        returns = self.stage.features.returns.mean(axis=1)[policies[:, 0]]
-        return returns, self.best_return, bool((policies == self.optimum).all(axis=1).any())
+        """Returns of the policies and of the best candidate, as seen in the rollouts, and whether it is among them."""
+        returns = self.stage.features.returns.mean(axis=1)
+        best = float(returns[self.optimum[0]])
+        return returns[policies[:, 0]], best, bool((policies == self.optimum).all(axis=1).any())
 
     def look(
         self, learner: Learner, counts: IntArray | None, policies: IntArray, rng: np.random.Generator

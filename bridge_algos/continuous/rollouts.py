@@ -184,6 +184,8 @@ def _run(
             running = running[~ended]
             if not len(running):
                 break
+    if not (np.isfinite(rewards).all() and np.isfinite(observations).all()):
+        raise InputError(f"under it {environment.name} gives observations or rewards that are not finite.")
     return Episodes(observations, actions, rewards, lengths, terminated)
 
 

@@ -34,8 +34,7 @@ REACHER_PPO: dict[str, Any] = {
     "max_grad_norm": 0.9,
     "vf_coef": 0.950368,
 }
-ANT_TD3: dict[str, Any] = {"learning_starts": 10_000}
-ANT_ACTION_NOISE = 0.1
+ANT_TD3: dict[str, Any] = {"learning_starts": 10_000, "action_noise": 0.1}
 _SNAPSHOT_EVERY = 20_480
 
 
@@ -63,8 +62,8 @@ def train_with_sb3(
         envs = vec_env.VecNormalize(envs, gamma=REACHER_PPO["gamma"])
         model = sb3.PPO("MlpPolicy", envs, seed=seed, device="cpu", **REACHER_PPO)
     else:
-        noise = sb3.common.noise.NormalActionNoise(np.zeros(8), np.full(8, ANT_ACTION_NOISE))
-        model = sb3.TD3("MlpPolicy", envs, seed=seed, device="cpu", action_noise=noise, **ANT_TD3)
+        noise = sb3.common.noise.NormalActionNoise(np.zeros(8), np.full(8, ANT_TD3["action_noise"]))
+        model = sb3.TD3("MlpPolicy", envs, seed=seed, device="cpu", **(ANT_TD3 | {"action_noise": noise}))
     done = 0
     while done < steps:
         chunk = min(_SNAPSHOT_EVERY, steps - done)

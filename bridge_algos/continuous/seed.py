@@ -11,10 +11,10 @@ from threadpoolctl import threadpool_limits
 
 from bridge_algos.continuous.config import ContinuousConfig
 from bridge_algos.continuous.embeddings import EmbeddingFunction
-from bridge_algos.continuous.judging import judged_gaps
+from bridge_algos.continuous.judging import judged_returns, regret_errors, standard_error
 from bridge_algos.continuous.offline import OfflineStage, offline_stage
 from bridge_algos.continuous.problem import SimulatedProblem, make_learner
-from bridge_algos.continuous.yardsticks import best_policy, regret_errors, standard_error
+from bridge_algos.mdp import FloatArray
 from bridge_algos.online.loop import run_online
 from bridge_algos.run.dataset import Scalars, constant_record, seed_dataset
 from bridge_algos.run.streams import stream
@@ -39,11 +39,11 @@ def run_seed(
     Returns:
         The data set of :func:`bridge_algos.run.dataset.seed_dataset`, with ``first``, ``second`` and ``greedy`` as
         indices of candidates (0 is the clone, the last one the expert). ``suboptimality`` is judged on fresh initial
-        states, ``suboptimality_seen`` on the rollouts that made the features, as in the published runs. Besides it,
-        over (algorithm, round), ``suboptimality_error`` and ``cumulative_error``: Monte-Carlo standard errors of the
-        regret against the expert, of a round and cumulated. ``suboptimality`` less ``best_candidate`` is the regret
-        against the best candidate that the algorithm searched. The numbers depend on configuration, seed and ``user``
-        only.
+        states, as are all returns; ``suboptimality_seen`` and ``pseudo_regret`` on the rollouts that made the features,
+        as in the published runs. ``suboptimality_error`` and ``cumulative_error`` are Monte-Carlo standard errors of
+        the regret against the expert, of a round and cumulated. ``suboptimality`` less ``best_candidate``, or less
+        ``best_of_all``, is the regret against the candidate that looked best among those that the algorithm searched,
+        or that any did. The numbers depend on configuration, seed and ``user`` only.
     """
     with threadpool_limits(1):
         stage = offline_stage(config, seed, cache=cache, threads=threads, progress=progress, user=user)
@@ -51,23 +51,16 @@ def run_seed(
 
 
 def _online(config: ContinuousConfig, stage: OfflineStage, seed: int, threads: int | None) -> xr.Dataset:
-    returns = stage.features.returns
-    expert, clone = returns[-1], returns[0]
+    seen = stage.features.returns.mean(axis=1)
+    expert = len(seen) - 1
     everyone = make_learner("pbrl", config, stage).policies[:, 0]
-    optimum, best = best_policy(returns, everyone)
-    problem = SimulatedProblem(
-        stage,
-        return_oracle(config.oracle_options),
-        np.array([optimum]),
-        float(best.mean()),
-        float(expert.mean()),
-        config.horizon,
-    )
-    records, choices, best_gaps = {}, {}, {}
+    optimum = everyone[seen[everyone].argmax()]
+    problem = SimulatedProblem(stage, return_oracle(config.oracle_options), np.array([optimum]), config.horizon)
+    records, choices, best = {}, {}, {}
     for name in config.algorithms:
         if name == "bc":
-            choices[name] = np.zeros(config.rounds, dtype=np.int64)
-            records[name] = constant_record(config.rounds, float((expert - clone).mean()), float((best - clone).mean()))
+            choices[name], best[name] = np.zeros(config.rounds, dtype=np.int64), 0
+            records[name] = constant_record(config.rounds, seen[expert] - seen[0], seen[optimum] - seen[0])
         else:
             learner = make_learner(name, config, stage)
             members = learner.policies[:, 0]
@@ -75,13 +68,14 @@ def _online(config: ContinuousConfig, stage: OfflineStage, seed: int, threads: i
             for entry in ("first", "second", "greedy"):
                 records[name][entry] = members[records[name][entry].astype(np.int64)].astype(np.float64)
             choices[name] = records[name]["greedy"].astype(np.int64)
-            best_gaps[name] = expert - best_policy(returns, members)[1]
-    judged = judged_gaps(config, stage, seed, np.concatenate([*choices.values(), [0]]), threads)
-    errors = [regret_errors(judged, chosen) for chosen in choices.values()]
-    seen = [record["suboptimality"] for record in records.values()]
-    for name, chosen in choices.items():
-        records[name]["suboptimality"] = judged.mean(axis=1)[chosen]
-    best_gaps = {name: judged[0] if name == "bc" else best_gaps[name] for name in choices}
+            best[name] = int(members[seen[members].argmax()])
+    chosen = np.concatenate([*choices.values(), list(best.values()), [0, optimum, expert]])
+    returns = judged_returns(config, stage, seed, chosen, threads)
+    gaps = returns[expert] - returns
+    as_seen = [record["suboptimality"] for record in records.values()]
+    for name, greedy in choices.items():
+        records[name]["suboptimality"] = gaps.mean(axis=1)[greedy]
+    errors = [regret_errors(gaps, greedy) for greedy in choices.values()]
     unit = {"units": "reward per trajectory"}
     below = {"units": "reward per trajectory below the expert"}
     attributes = {
@@ -90,24 +84,23 @@ def _online(config: ContinuousConfig, stage: OfflineStage, seed: int, threads: i
         "expert": f"expert: {config.expert or f'shipped, {config.environment}'}, "
         f"{'a candidate' if config.include_expert else 'not a candidate'}",
     }
-    return seed_dataset(config, seed, records, _scalars(config, stage, judged[0]), attributes).assign(
-        best_candidate=("algorithm", [float(gap.mean()) for gap in best_gaps.values()], below),
-        best_candidate_error=("algorithm", [float(standard_error(gap)) for gap in best_gaps.values()], below),
-        suboptimality_seen=(("algorithm", "round"), np.stack(seen), unit),
+    return seed_dataset(config, seed, records, _scalars(config, stage, returns), attributes).assign(
+        best_candidate=("algorithm", [float(gaps[index].mean()) for index in best.values()], below),
+        best_of_all=((), float(gaps[optimum].mean()), below),
+        suboptimality_seen=(("algorithm", "round"), np.stack(as_seen), unit),
         suboptimality_error=(("algorithm", "round"), np.stack([each for each, _ in errors]), unit),
         cumulative_error=(("algorithm", "round"), np.stack([total for _, total in errors]), unit),
     )
 
 
-def _scalars(config: ContinuousConfig, stage: OfflineStage, clone_gaps: np.ndarray) -> Scalars:
+def _scalars(config: ContinuousConfig, stage: OfflineStage, returns: FloatArray) -> Scalars:
     features, reward, length = stage.features, "reward per trajectory", "norm of phi"
     distance = float(np.linalg.norm(features.mean[-1] - features.mean[0]))
     return {
-        "expert_return": (float(features.returns[-1].mean()), reward),
-        "expert_return_error": (float(standard_error(features.returns[-1])), reward),
-        "clone_return": (float(features.returns[0].mean()), reward),
-        "clone_gap_error": (float(standard_error(clone_gaps)), reward),
-        "demonstrated_return": (float(stage.demonstrations.returns.mean()), reward),
+        "expert_return": (float(returns[-1].mean()), reward),
+        "expert_return_error": (float(standard_error(returns[-1])), reward),
+        "clone_return": (float(returns[0].mean()), reward),
+        "clone_gap_error": (float(standard_error(returns[-1] - returns[0])), reward),
         "likelihood": (float(stage.clone.likelihood[-1]), "nats per action"),
         "held_out_likelihood": (float(stage.clone.validation[-1]), "nats per action"),
         "radius": (config.radius, length),
@@ -122,11 +115,13 @@ def _scalars(config: ContinuousConfig, stage: OfflineStage, clone_gaps: np.ndarr
 
 def caveats(config: ContinuousConfig) -> list[str]:
     """What of a run's settings has no guarantee."""
+    knows = config.normalise_observations == "expert"
     return [
+        *(["the clone standardises its observations as the expert does, as published"] if knows else []),
         "gamma is a hand-set number",
         f"features and returns are means of {config.rollouts} rollouts, with errors"
         + ("" if config.common_starts else ", each policy's from its own initial states, so that luck decides too"),
         "the offline set is a ball of estimated features, not a Hellinger ball of the theory",
-        "coordinates of the embedding leave [-1, 1], so that the paper's B does not hold; it is observed, not bounded",
+        "the paper's bound B on the embedding is not known to hold here; its largest values are observed",
         f"the teacher breaks: {return_oracle(config.oracle_options).breaks}",
     ]

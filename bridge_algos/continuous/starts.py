@@ -1,4 +1,4 @@
-"""Initial states that all policies share."""
+"""Initial states."""
 
 from __future__ import annotations
 

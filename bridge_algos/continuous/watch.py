@@ -41,8 +41,9 @@ def main(argv: list[str]) -> int:
     p.add_argument("--episodes", type=int, default=3, help="how many initial states, the same for all (default 3)")
     p.add_argument("--out", type=Path, help="the animation, a .gif file (default SOURCE/watch.gif or SOURCE.gif)")
     options = p.parse_args(argv)
-    if options.episodes < 1:
-        raise InputError(f"--episodes is {options.episodes}, expected at least 1.")
+    for name, least in (("episodes", 1), ("seed", 0)):
+        if getattr(options, name) < least:
+            raise InputError(f"--{name} is {getattr(options, name)}, expected at least {least}.")
     directory = Path(options.source)
     config, greedy = _from_run(directory, options.seed) if directory.is_dir() else (_named(options.source), {})
     path = options.out or (directory / "watch.gif" if directory.is_dir() else Path(f"{options.source}.gif"))
@@ -51,8 +52,8 @@ def main(argv: list[str]) -> int:
     backend = working_backend()
     if backend is None:
         raise ComputationError(
-            f"MuJoCo can render off screen with none of {', '.join(BACKENDS)} here; install a driver for one of them "
-            "(Mesa's libegl1 needs no graphics card) and try again."
+            f"MuJoCo can render off screen with none of {', '.join(_tried())} here (MUJOCO_GL chooses one); install a "
+            "driver (Mesa's libegl1 for egl needs no graphics card) and try again."
         )
     os.environ["MUJOCO_GL"] = backend
     names, returns, frame_rate, panels = _play(config, options.seed, options.episodes, greedy)
@@ -68,13 +69,17 @@ def working_backend() -> str | None:
 
     Each is tried in a process of its own, since a broken driver can end a process.
     """
-    asked = os.environ.get("MUJOCO_GL")
-    for backend in (asked,) if asked else BACKENDS:
+    for backend in _tried():
         environment = {**os.environ, "MUJOCO_GL": backend}
         tried = subprocess.run([sys.executable, "-c", _PROBE], env=environment, capture_output=True, timeout=60)
         if tried.returncode == 0:
             return backend
     return None
+
+
+def _tried() -> tuple[str, ...]:
+    asked = os.environ.get("MUJOCO_GL")
+    return (asked,) if asked else BACKENDS
 
 
 def _named(source: str) -> ContinuousConfig:

@@ -28,7 +28,7 @@ def parser() -> argparse.ArgumentParser:
     add_options(p)
     p.add_argument("--out", type=Path, help="results directory (default out/ENVIRONMENT-PRESET)")
     p.add_argument("--log", action="store_true", help="keep each seed's log, which 'bridge-rl verify' checks")
-    p.add_argument("--expert", metavar="FILE", help="MuJoCo: the expert's file (default: the one that is shipped)")
+    p.add_argument("--expert", metavar="FILE", help="MuJoCo: the expert's file (default: reacher-zoo or ant, shipped)")
     p.add_argument("--include-expert", action="store_true", help="MuJoCo: search the expert too, as published")
     p.add_argument("--show-config", action="store_true", help="print the configuration as JSON and stop")
     return p

@@ -28,6 +28,9 @@ UNITS = {
     "seconds": "s",
 }
 
+FORMAT = 2
+"""Changes whenever a stored number gets another meaning."""
+
 Records = dict[str, dict[str, FloatArray]]
 Scalars = dict[str, tuple[float, str]]
 
@@ -64,6 +67,7 @@ def seed_dataset(
         attrs={
             "title": f"BRIDGE companion: {config.environment}, seed {seed}",
             "configuration": config.to_json(),
+            "format": FORMAT,
             **attributes,
         },
     )

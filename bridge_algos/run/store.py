@@ -11,6 +11,7 @@ import xarray as xr
 from bridge_algos.files import atomic_write_text
 from bridge_algos.netcdf import load_dataset, save_dataset, short_text
 from bridge_algos.run.configuration import Configuration, read_configuration
+from bridge_algos.run.dataset import FORMAT
 from bridge_theory.errors import InputError
 
 _REMEDY = "move it away and run again to redo that seed"
@@ -73,6 +74,8 @@ def _load(path: Path, config: Configuration) -> xr.Dataset:
         same = read_configuration(dataset.attrs["configuration"]) == config
     except (KeyError, ValueError) as error:
         raise InputError(f"{path} is not a readable result file ({short_text(error)}); {_REMEDY}.") from None
+    if dataset.attrs.get("format") != FORMAT:
+        raise InputError(f"{path} was written by a version of this package that defines numbers otherwise; {_REMEDY}.")
     if not same:
         raise InputError(f"{path} belongs to another configuration; move it away and run again.")
     return dataset

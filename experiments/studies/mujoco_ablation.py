@@ -11,7 +11,7 @@ import xarray as xr
 
 from bridge_algos.run import plots
 from bridge_algos.run.summary import Mean, cumulative, mean_over_seeds, share
-from experiments.studies.mujoco import SEARCHES, TITLES, both_searches, configured
+from experiments.studies.mujoco import SEARCHES, TITLES, both_searches, configured, joined
 
 
 def compute(settings: dict[str, Any], directory: Path, jobs: int) -> xr.Dataset:
@@ -25,10 +25,7 @@ def compute(settings: dict[str, Any], directory: Path, jobs: int) -> xr.Dataset:
         both_searches(base.but(**variation["changes"]), settings["seeds"], directory / variation["label"], jobs)
         for variation in settings["variations"]
     ]
-    joined = xr.concat(parts, dim="variation", join="outer", combine_attrs="drop_conflicts")
-    for variable in joined.data_vars.values():
-        variable.encoding = {"zlib": True, "complevel": 9}
-    return joined.assign_coords(variation=[variation["label"] for variation in settings["variations"]])
+    return joined(parts, "variation", [variation["label"] for variation in settings["variations"]], join="outer")
 
 
 def figures(data: xr.Dataset) -> dict[str, Any]:
@@ -85,8 +82,8 @@ def words(data: xr.Dataset) -> str:
             lines.append(
                 f"  {settings['varied']} {label}: cumulative regret {told}; offline set of "
                 f"{float(own.offline_set_count.mean()):.1f} candidates, the expert within its radius in "
-                f"{share(own, 'expert_in_ball')} of seeds, its best candidate {best:.2f} a round below the expert; the "
-                f"clone returns {float(own.clone_return.mean()):.2f}."
+                f"{share(own, 'expert_in_ball')} of seeds, the candidate that looked best {best:.2f} a round "
+                f"below the expert; the clone returns {float(own.clone_return.mean()):.2f}."
             )
     return "\n".join(lines)
 

@@ -20,7 +20,7 @@ from bridge_algos.run import plots
 from bridge_algos.run.runner import run
 from bridge_algos.run.summary import Mean, mean_over_seeds
 from experiments.published import ALGORITHMS, agreement, published_curves
-from experiments.studies.mujoco import configured
+from experiments.studies.mujoco import configured, joined
 
 READINGS = {
     "published": "on the rollouts that chose it, clipped at zero (as published)",
@@ -37,10 +37,7 @@ def compute(settings: dict[str, Any], directory: Path, jobs: int) -> xr.Dataset:
         config = config.but(**step["changes"])
         results = run(config, directory / f"step-{number}", settings["seeds"], jobs).sel(seed=range(settings["seeds"]))
         parts.append(results.drop_vars("seconds"))
-    joined = xr.concat(parts, dim="step", combine_attrs="drop_conflicts", join="exact")
-    for variable in joined.data_vars.values():
-        variable.encoding = {"zlib": True, "complevel": 9}
-    return joined.assign_coords(step=[step["label"] for step in settings["steps"]])
+    return joined(parts, "step", [step["label"] for step in settings["steps"]])
 
 
 def total(data: xr.Dataset, step: str, algorithm: str, reading: str) -> Mean:

@@ -117,6 +117,16 @@ def test_masks_and_states_are_those_of_the_steps(falls):
     np.testing.assert_allclose(falls.returns, [rewards.sum() for rewards in falls.rewards])
 
 
+def test_checked_demonstrations_have_the_types_that_everything_reckons_with(ant, falls):
+    single = replace(
+        falls, observations=falls.observations.astype(np.float32), rewards=falls.rewards.astype(np.float32)
+    )
+    checked = single.checked(ant)
+    assert checked.observations.dtype == checked.rewards.dtype == np.float64
+    assert checked.actions.dtype == np.float32
+    np.testing.assert_allclose(checked.observations, falls.observations, rtol=1e-6)
+
+
 def test_demonstrations_that_do_not_fit_get_one_sentence(ant, falls, tmp_path):
     reacher = make_environment("reacher")
     cases = {
@@ -126,9 +136,13 @@ def test_demonstrations_that_do_not_fit_get_one_sentence(ant, falls, tmp_path):
         ).checked(ant),
         r"rewards have shape \(12, 29\)": lambda: replace(falls, rewards=falls.rewards[:, 1:]).checked(ant),
         r"lengths are not whole numbers from 1 to 30": lambda: replace(falls, lengths=falls.lengths * 0).checked(ant),
-        r"observations hold values that are not finite": lambda: replace(
+        r"observations \(float64\) hold values that are not finite": lambda: replace(
             falls, observations=falls.observations * np.nan
         ).checked(ant),
+        r"observations \(complex128\) hold": lambda: replace(falls, observations=falls.observations * 1j).checked(ant),
+        r"actions \(<U": lambda: replace(falls, actions=falls.actions.astype(str)).checked(ant),
+        r"rewards \(float64\)": lambda: replace(falls, rewards=falls.rewards * np.nan).checked(ant),
+        r"terminated has the type float64": lambda: replace(falls, terminated=falls.lengths * 1.0).checked(ant),
         r"actions go from .* expected the range of ant, -1 to 1": lambda: replace(
             falls, actions=3 * falls.actions
         ).checked(ant),

@@ -12,7 +12,6 @@ from networks import random_policy
 
 from bridge_algos.continuous.environments import draw_starts, make_environment
 from bridge_algos.continuous.episodes import Episodes
-from bridge_algos.continuous.policies import MlpPolicies
 from bridge_algos.continuous.rollouts import map_rollouts, rollout
 from bridge_theory.errors import InputError
 
@@ -29,7 +28,7 @@ def case(request):
     environment = make_environment(request.param)
     template = random_policy(environment, 0, hidden=64)
     noise = np.random.default_rng(1).normal(size=(3, len(template.parameters)))
-    policies = MlpPolicies(template, template.parameters + 0.1 * noise)
+    policies = [template.with_parameters(template.parameters + 0.1 * own) for own in noise]
     return environment, policies, draw_starts(environment, 70, np.random.default_rng(2)), STEPS[request.param]
 
 

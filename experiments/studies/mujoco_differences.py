@@ -1,9 +1,9 @@
 """Why our Reacher curves lie off the published ones: what differs is made as published, one difference after another.
 
 The paper leaves open, and the authors' public code (github.com/pfriedric/bridge at 54a96a8, which was read, not run)
-settles: the expert has the Zoo's settings, the clone standardises its observations by the expert's statistics, and each
-candidate is rolled out from its own initial states, so that candidates also differ by luck. The published regret of the
-policy chosen is read off the same rollouts and clipped at zero in each round; every step is read in three ways.
+settles, among others: the expert has the Zoo's settings, and each candidate is rolled out from its own initial states,
+so that candidates also differ by luck. The published regret of the policy chosen is read off the same rollouts and
+clipped at zero in each round; every step is read in three ways.
 """
 
 from __future__ import annotations

@@ -7,6 +7,7 @@ import numpy.typing as npt
 
 from bridge_theory.bound import Bound
 from bridge_theory.errors import InputError
+from bridge_theory.offline.assumptions import DETERMINISTIC
 from bridge_theory.offline.kl_budget import (
     offline_radius_stochastic,
     policy_kl_budget,
@@ -31,9 +32,10 @@ def bounds_from_counts(
     the transition counts (the pooled budget, and the per-step transition error), T13 from the action counts.
     Source: audit T7(c), T8(B), T10, T13. Assumptions: those of the bounds. Arguments: ``visits[h, s, a]`` recorded
     actions (steps ``1..H``), ``transitions[h, s, a, s']`` recorded transitions (steps ``1..H-1``), both of whole
-    numbers; ``delta`` in (0, 1); ``mass`` is the squared radius of T8(B), computed by dynamic programming elsewhere,
-    and without it T8(B) is left out. Returns values by the name of the bound. Errors: ``InputError`` if the shapes do
-    not fit or a step does not hold one action per demonstration.
+    numbers; ``delta`` in (0, 1); ``mass`` is at least the squared radius of T8(B), computed by dynamic programming
+    elsewhere, and without it T8(B) is left out. Returns values by the name of the bound; where the data refute a
+    deterministic expert (see ``contradicted_states``), without those that assume one. Errors: ``InputError`` if the
+    shapes do not fit or a step does not hold one action per demonstration.
 
     >>> visits = np.array([[[3, 0], [0, 0]], [[2, 0], [0, 1]]])
     >>> transitions = np.zeros((1, 2, 2, 2), dtype=int)
@@ -63,7 +65,19 @@ def bounds_from_counts(
     ]
     if mass is not None:
         values.append(_value(offline_radius_mass, {"mass": mass}))
-    return {value.bound.name: value for value in values}
+    refuted = contradicted_states(visits).size > 0
+    return {value.bound.name: value for value in values if not (refuted and DETERMINISTIC in value.bound.assumptions)}
+
+
+def contradicted_states(visits: IntArray) -> IntArray:
+    """The states with more than one recorded action, ascending; a deterministic stationary expert leaves none.
+
+    Arguments: ``visits[h, s, a]`` recorded actions.
+
+    >>> contradicted_states(np.array([[[3, 0], [0, 0]], [[2, 1], [0, 0]]])).tolist()
+    [0]
+    """
+    return np.flatnonzero((visits.sum(axis=0) > 0).sum(axis=1) > 1)
 
 
 def _value(bound: Bound, given: dict[str, Given]) -> BoundValue:

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+import sys
+from typing import TYPE_CHECKING
+
 from bridge_theory.cli.bounds import main as bounds_of_a_setting
 from bridge_theory.cli.options import Parser
 from bridge_theory.value import BoundValue
+
+if TYPE_CHECKING:
+    from bridge_algos.offline.transitions import EmptyRow
 
 
 def main(argv: list[str]) -> int:
@@ -24,35 +30,44 @@ def main(argv: list[str]) -> int:
         return bounds_of_a_setting(rest)
     if options.demos is None or options.mdp is None:
         p.error("--demos and --mdp belong together")
-    sizes, values = _from_data(options.demos, options.mdp, options.empty_row, _flag_value(rest, "--delta") or "0.05")
-    for flag, size in sizes.items():
+    delta = _flag_value(rest, "--delta") or "0.05"
+    sizes, values, note = _from_data(options.demos, options.mdp, options.empty_row, delta)
+    for flag, size in (sizes | {"--delta": delta}).items():
         if _flag_value(rest, flag) is None:
             rest += [flag, str(size)]
-    return bounds_of_a_setting(rest, values)
+    status = bounds_of_a_setting(rest, values)
+    if {"--json", "--latex"} & set(rest):
+        print(note, file=sys.stderr)
+    else:
+        print(f"\n{note}")
+    return status
 
 
-def _from_data(demos: str, mdp: str, empty_row: str, delta: str) -> tuple[dict[str, int], list[BoundValue]]:
-    import numpy as np
-
-    from bridge_algos.hellinger import disagreement_probability
+def _from_data(demos: str, mdp: str, empty_row: EmptyRow, delta: str) -> tuple[dict[str, int], list[BoundValue], str]:
+    """The sizes that the files show, the values that the demonstrations certify, and what to know about them."""
     from bridge_algos.mdp_file import load_mdp
     from bridge_algos.offline.cloning import clone_deterministic
+    from bridge_algos.offline.data_radius import leaving_mass
     from bridge_algos.offline.step_counts import step_counts
-    from bridge_algos.offline.transitions import estimate_transitions
     from bridge_algos.trajectories import load_trajectories
-    from bridge_theory.from_data import bounds_from_counts
+    from bridge_theory.from_data import bounds_from_counts, contradicted_states
 
     world = load_mdp(mdp)
     s, a, h = world.n_states, world.n_actions, world.horizon
     data = load_trajectories(demos, s, a, h)
     counts = step_counts(data, s, a)
-    estimate = world.dynamics.under(
-        estimate_transitions(counts.pooled, "self_loop" if empty_row == "self_loop" else "uniform")
-    )
-    unvisited = (counts.pairs.sum(axis=1) == 0).astype(np.float64)[None]
-    mass = disagreement_probability(estimate, clone_deterministic(counts.pairs, tie_break="first"), unvisited)[0]
-    values = bounds_from_counts(counts.visits, counts.transitions, delta=delta, mass=float(mass))
-    return {"--S": s, "--A": a, "--H": h, "--n": len(data)}, list(values.values())
+    clone = clone_deterministic(counts.pairs, tie_break="first")
+    mass = leaving_mass(counts, world.initial, clone, empty_row).upper
+    values = bounds_from_counts(counts.visits, counts.transitions, delta=delta, mass=mass)
+    note = f"From {len(data)} demonstrations, with delta = {delta} in each bound."
+    contradicted = contradicted_states(counts.visits).tolist()
+    if contradicted:
+        note += (
+            f" They refute a deterministic stationary expert, for {len(contradicted)} of {s} states show more than one "
+            f"action, {world.state_names[contradicted[0]]!r} first; bounds that assume one are left out here and say "
+            "nothing about this expert above."
+        )
+    return {"--S": s, "--A": a, "--H": h, "--n": len(data)}, list(values.values()), note
 
 
 def _flag_value(arguments: list[str], flag: str) -> str | None:

@@ -1,5 +1,6 @@
 """A user's mistake ends in one sentence on standard error and exit status 2, never in a traceback."""
 
+import json
 import re
 from pathlib import Path
 
@@ -129,6 +130,23 @@ def test_own_mdp_and_demonstrations_run(tmp_path: Path, capsys) -> None:
     printed = capsys.readouterr().out
     assert "from the demonstrations" in printed
     assert "offline_radius_mass" in printed
+
+
+def test_demonstrations_that_refute_the_expert_certify_nothing_about_one(tmp_path: Path, capsys) -> None:
+    mdp, rng = make_mdp("starmdp"), np.random.default_rng(0)
+    demos = str(tmp_path / "demos.npz")
+    save_trajectories(demos, sample_trajectories(mdp, np.full((mdp.n_states, mdp.n_actions), 0.25), 200, rng))
+    arguments = ["bounds", "--mdp", "starmdp", "--demos", demos, "--only", "audit T8(B)"]
+    assert main(arguments) == 0
+    printed = capsys.readouterr().out
+    assert "offline_radius_stochastic" in printed
+    assert not any(name in printed for name in ("offline_radius_mass", "missing_mass", "transition_error_counts"))
+    assert "They refute a deterministic stationary expert, for 5 of 5 states show more than one action" in printed
+    assert "with delta = 0.05 in each bound" in printed
+    assert main([*arguments, "--delta", "0.1", "--json"]) == 0
+    printed = capsys.readouterr()
+    assert "They refute" in printed.err
+    assert {record["parameters"]["delta"] for record in json.loads(printed.out)} == {"0.1"}
 
 
 def test_damaged_mdp_files_are_refused(tmp_path: Path, capsys, monkeypatch) -> None:

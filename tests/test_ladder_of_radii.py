@@ -3,6 +3,7 @@
 import itertools
 import json
 from collections import Counter
+from fractions import Fraction
 from math import exp, log
 
 import numpy as np
@@ -12,10 +13,17 @@ from conftest import random_dynamics
 
 from bridge_algos.envs.registry import make_mdp
 from bridge_algos.expert.experts import make_expert
-from bridge_algos.hellinger import squared_hellinger
-from bridge_algos.mdp import Dynamics
-from bridge_algos.offline.cloning import action_counts, clone_deterministic
-from bridge_algos.offline.data_radius import data_dependent_radius, leaving_radius, transition_error_from_counts
+from bridge_algos.hellinger import disagreement_probability, squared_hellinger
+from bridge_algos.hellinger_exact import trajectory_law
+from bridge_algos.mdp import Dynamics, TabularMDP
+from bridge_algos.offline.cloning import action_counts, add_action_noise, clone_deterministic
+from bridge_algos.offline.data_radius import (
+    data_dependent_radius,
+    leaving_mass,
+    leaving_radius,
+    transition_error_from_counts,
+    unsettled_states,
+)
 from bridge_algos.offline.policy_set import PolicySet
 from bridge_algos.offline.step_counts import StepCounts, sample_step_counts, step_counts
 from bridge_algos.offline.transitions import estimate_transitions, transition_counts
@@ -101,6 +109,62 @@ def test_bounds_from_data_hold(environment: str, empty_row: str, rng: np.random.
         assert positive == 0  # audit T8(A)
     elif environment == "gridworld":
         assert positive >= 5  # T8(B) was put to the test
+
+
+def noisy_counts(dynamics: Dynamics, expert: np.ndarray, n: int, noise: float, rng: np.random.Generator) -> StepCounts:
+    """The counts of an expert whose recorded actions are each replaced by a random one with chance ``noise``."""
+    data = sample_trajectories(TabularMDP(**vars(dynamics), reward=np.zeros(dynamics.n_states)), expert, n, rng)
+    return step_counts(add_action_noise(data, noise, dynamics.n_actions, rng), dynamics.n_states, dynamics.n_actions)
+
+
+def test_contradicted_states_count_in_the_mass_that_leaves_the_data(rng: np.random.Generator) -> None:
+    """T8(B) where the clone was outvoted: the expert is within it as long as its action was recorded everywhere."""
+    beyond_unvisited = 0
+    for _ in range(200):
+        dynamics, expert = random_dynamics(rng, 4, 2, 3), rng.integers(2, size=4)
+        counts = noisy_counts(dynamics, expert, 6, 0.4, rng)
+        seen = counts.pairs.sum(axis=1) > 0
+        if (counts.pairs[np.arange(4), expert] == 0)[seen].any():
+            continue
+        clone = clone_deterministic(counts.pairs, rng)
+        ball = PolicySet(dynamics.under(estimate_transitions(counts.pooled, "uniform")), clone, 1.0)
+        distance = ball.distances(expert[None])[0]
+        assert distance <= leaving_radius(counts, ball.dynamics, clone) + 1e-9
+        unvisited = np.sqrt(disagreement_probability(ball.dynamics, clone, ~seen[None] * 1.0)[0])
+        beyond_unvisited += distance > unvisited + 1e-9
+    assert beyond_unvisited >= 20  # the unvisited states alone would have been refuted
+
+
+@pytest.mark.parametrize("empty_row", ["uniform", "self_loop"])
+def test_mass_that_leaves_the_data_is_certified(empty_row: str, rng: np.random.Generator) -> None:
+    """The ends enclose the sum over trajectories in rationals, where floats fall below it."""
+    floats_below = 0
+    for _ in range(30):
+        dynamics, expert = random_dynamics(rng, 3, 2, 3), rng.integers(2, size=3)
+        counts = noisy_counts(dynamics, expert, 3, 0.3, rng)
+        clone = clone_deterministic(counts.pairs, rng)
+        rows = counts.pooled.tolist()
+        kernel = [
+            [
+                [Fraction(c, sum(row)) for c in row]
+                if any(row)
+                else [Fraction(1, 3) if empty_row == "uniform" else Fraction(s == t) for t in range(3)]
+                for row in rows[s]
+            ]
+            for s in range(3)
+        ]
+        start = [Fraction(p) for p in dynamics.initial.tolist()]
+        law = trajectory_law(
+            [p / sum(start) for p in start], 3, kernel, [[Fraction(a == c) for a in range(2)] for c in clone.tolist()]
+        )
+        leaves = unsettled_states(counts, clone)
+        exact = sum((p for path, p in law.items() if leaves[list(path[::2])].any()), Fraction(0))
+        mass = leaving_mass(counts, dynamics.initial, clone, empty_row)
+        assert Fraction(mass.lower) <= exact <= Fraction(mass.upper)
+        assert mass.upper - mass.lower <= 1e-15
+        estimate = dynamics.under(estimate_transitions(counts.pooled, empty_row))
+        floats_below += Fraction(float(disagreement_probability(estimate, clone, leaves[None] * 1.0)[0])) < exact
+    assert floats_below >= 3
 
 
 def test_transition_error_from_counts_follows_its_formula_by_hand() -> None:

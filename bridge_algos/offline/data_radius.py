@@ -6,24 +6,76 @@ Both hold for a deterministic stationary expert whose actions were recorded with
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import numpy as np
 
 import bridge_theory as theory
 from bridge_algos.hellinger import disagreement_probability
-from bridge_algos.mdp import Dynamics
+from bridge_algos.mdp import Dynamics, FloatArray
 from bridge_algos.offline.step_counts import StepCounts
+from bridge_algos.offline.transitions import EmptyRow
 from bridge_algos.shapes import Policy
+from bridge_theory.arithmetic.balls import BALLS
+from bridge_theory.arithmetic.flint_balls import Ball
+from bridge_theory.enclosure import Enclosure, enclose
+
+
+def unsettled_states(counts: StepCounts, clone: Policy) -> np.ndarray:
+    """Where the data leave open whether the expert does as the clone does, (S,) booleans: the set U of audit T8(B).
+
+    The states without a recorded action, and those with one that is not the clone's.
+    """
+    pairs = counts.pairs
+    agreeing = pairs[np.arange(len(pairs)), clone]
+    return np.asarray((agreeing == 0) | (agreeing < pairs.sum(axis=1)))
+
+
+def leaving_mass(counts: StepCounts, initial: FloatArray, clone: Policy, empty_row: EmptyRow) -> Enclosure:
+    r"""Certified ends of :math:`\rho^2=\hat P^{BC}(\text{meet an unsettled state})` under the exact count estimate.
+
+    Source: audit T8(B). The rows are the quotients :math:`N(s,a,s')/N(s,a)` as rationals, not their nearest floats;
+    ``initial`` is taken as the exact numbers its floats are, over their sum. Returns ends in [0, 1], zero exactly
+    where the mass is.
+    """
+    n_states, leaves = len(clone), unsettled_states(counts, clone)
+    start = [Fraction(float(p)) for p in initial]
+    law = [(s, p / sum(start)) for s, p in enumerate(start) if p]
+    rows = {s: _exact_row(counts.pooled[s, clone[s]].tolist(), s, empty_row) for s in range(n_states) if not leaves[s]}
+
+    def mass() -> Ball:
+        present, met = {s: BALLS.number(p) for s, p in law}, BALLS.number(0)
+        for step in range(len(counts.visits)):
+            met += sum((p for s, p in present.items() if leaves[s]), start=BALLS.number(0))
+            if step + 1 == len(counts.visits):
+                break
+            arriving: dict[int, Ball] = {}
+            for s, p in present.items():
+                for target, chance in rows.get(s, ()):
+                    arriving[target] = arriving.get(target, BALLS.number(0)) + p * BALLS.number(chance)
+            present = arriving
+        return BALLS.min(met, 1)
+
+    return enclose(mass)
+
+
+def _exact_row(counts: list[int], state: int, empty_row: EmptyRow) -> list[tuple[int, Fraction]]:
+    """The positive entries of one row of :func:`bridge_algos.offline.transitions.estimate_transitions`, exactly."""
+    if not any(counts):
+        counts = [1] * len(counts) if empty_row == "uniform" else [int(s == state) for s in range(len(counts))]
+    return [(s, Fraction(count, sum(counts))) for s, count in enumerate(counts) if count]
 
 
 def leaving_radius(counts: StepCounts, estimate: Dynamics, clone: Policy) -> float:
     r"""Statement: :math:`H(\hat P^{\pi^*},\hat P^{BC})\le\rho`, surely, with
-    :math:`\rho^2=\hat P^{BC}(\text{meet a state without a recorded action})`.
+    :math:`\rho^2=\hat P^{BC}(\text{meet an unsettled state})`, see :func:`unsettled_states`.
 
-    Source: audit T8(B), ``theory.offline_radius_mass``. Assumptions: deterministic expert, no noise. Returns a
-    Hellinger distance in [0, 1], an estimate to rounding that is zero only where the mass is.
+    Source: audit T8(B), ``theory.offline_radius_mass``. Assumptions: deterministic expert whose action is among those
+    recorded in every state with records. Returns a Hellinger distance in [0, 1], an estimate to rounding that is zero
+    only where the mass is; :func:`leaving_mass` has certified ends.
     """
-    unvisited = (counts.pairs.sum(axis=1) == 0).astype(np.float64)[None]
-    mass = float(disagreement_probability(estimate, clone, unvisited)[0])
+    unsettled = unsettled_states(counts, clone).astype(np.float64)[None]
+    mass = float(disagreement_probability(estimate, clone, unsettled)[0])
     return float(theory.offline_radius_mass.estimate(mass=mass))
 
 

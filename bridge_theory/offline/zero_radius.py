@@ -52,7 +52,8 @@ def offline_radius_mass(m: Arithmetic, *, mass: Value) -> Value:
     r"""Statement: :math:`H(\hat P^{\pi^*},\hat P^{BC})\le\rho`, :math:`\rho^2=\hat P^{BC}(\text{meet a state without
     recorded action})`, surely.
 
-    Source: audit T8(B); ``rho^2`` comes from dynamic programming under the estimate. Assumptions: deterministic expert,
+    Source: audit T8(B); ``rho^2`` comes from dynamic programming under the estimate. For a cloned policy that does not
+    do what was recorded, the states where it does not are met as well. Assumptions: deterministic expert,
     likelihood-maximising cloned policy, any estimated dynamics. Arguments: ``mass`` = ``rho^2`` in [0, 1]. Returns a
     Hellinger distance in [0, 1]. Errors: ``InputError`` outside the domain.
 

@@ -9,6 +9,7 @@ import pytest
 
 from bridge_theory import bounds_from_counts
 from bridge_theory.errors import InputError
+from bridge_theory.from_data import contradicted_states
 
 
 def _tables() -> tuple[np.ndarray, np.ndarray]:
@@ -42,6 +43,16 @@ def test_mass_is_optional_and_one_step_has_no_transitions() -> None:
     assert "offline_radius_mass" not in values
     assert values["missing_mass_observed"].enclosure.upper == 0
     assert values["transition_kl_budget"].enclosure.middle == pytest.approx(math.log(10))
+
+
+def test_a_refuted_deterministic_expert_leaves_no_bound_that_assumes_one() -> None:
+    """State 0 shows action 1 at the first step and action 0 at the second."""
+    visits, transitions = _tables()
+    assert contradicted_states(visits).size == 0
+    visits[1, 0] = [1, 0]
+    assert contradicted_states(visits).tolist() == [0]
+    values = bounds_from_counts(visits, transitions, delta="0.1", mass="0.04")
+    assert set(values) == {"transition_kl_budget", "policy_kl_budget", "offline_radius_stochastic"}
 
 
 @pytest.mark.parametrize(

@@ -15,17 +15,19 @@ from bridge_theory.parameters import Exact, Stored, parameter, show
 class Solution:
     """Where a bound meets a target.
 
-    ``status`` is ``found``, ``always`` (every searched value meets the target; ``value`` is the least favourable one)
-    or ``never``. ``meets`` encloses the bound at ``value``; ``fails`` encloses it at ``beyond``, the neighbour that
-    exceeds the target (None if it equals the target to the highest precision). ``excluded`` says whether all values
-    beyond were ruled out by interval arithmetic alone; otherwise they are by the declared monotonicity.
+    ``status`` is ``found``, ``always`` (every searched value meets the target; ``value`` is the least favourable one),
+    ``never`` or ``undecided``: the highest precision does not tell whether ``beyond`` meets the target. An undecided
+    answer may still have a ``value`` that does, but perhaps not the last one. ``meets`` encloses the bound at
+    ``value``; ``fails`` encloses it at ``beyond``, the neighbour that exceeds the target (None where undecided).
+    ``excluded`` says whether all values beyond were ruled out by interval arithmetic alone; otherwise they are by the
+    declared monotonicity.
     """
 
     bound: Bound
     name: str
     target: Exact
     others: Mapping[str, Stored]
-    status: Literal["found", "always", "never"]
+    status: Literal["found", "always", "never", "undecided"]
     value: Exact | None
     meets: Enclosure | None
     beyond: Exact | None
@@ -37,12 +39,17 @@ class Solution:
     def words(self) -> str:
         """The answer in one or two sentences."""
         goal = f"{self.bound.name} <= {show(self.target)}"
-        if self.value is None:
+        if self.status == "never":
             return f"No {self.name} achieves {goal}: {self.reason}."
         if self.status == "always":
             return f"{goal} holds everywhere: {self.reason}."
-        side = "smallest" if self.bound.monotone[self.name].direction == "falls" else "largest"
         direction = self.bound.monotone[self.name]
+        side = "smallest" if direction.direction == "falls" else "largest"
+        if self.value is None:
+            return f"No {self.name} is certified to achieve {goal}: {self.reason}."
+        if self.status == "undecided":
+            meets = f"{self.name} = {show(self.value)} achieves {goal}"
+            return f"{meets} but is not certified to be the {side}: {self.reason}."
         why = "interval arithmetic rules out all others" if self.excluded else f"by monotonicity: {direction.because}"
         return f"{self.name} = {show(self.value)} is the {side} with {goal}: {self.reason} ({why})."
 
@@ -56,6 +63,8 @@ class Solution:
 
     def _repr_latex_(self) -> str:
         symbol = parameter(self.name).latex
+        if self.status == "undecided" and self.value is None:
+            return rf"${self.bound.symbol} \le {show(self.target)} \text{{ is undecided for every }} {symbol}$"
         if self.value is None:
             return rf"${self.bound.symbol} > {show(self.target)} \text{{ for every }} {symbol}$"
         return rf"${symbol} = {show(self.value)} \;\Rightarrow\; {self.bound.symbol} \le {show(self.target)}$"

@@ -8,6 +8,7 @@ from bridge_theory.bound import Bound
 from bridge_theory.errors import InputError
 from bridge_theory.monotone import Monotone
 from bridge_theory.parameters import Exact, Given, Parameter, Stored, parameter, show, to_exact
+from bridge_theory.rounding import rounded_down
 from bridge_theory.search import Grid, float_grid, integer_grid
 from bridge_theory.setting import Setting
 from bridge_theory.solution import Solution
@@ -54,7 +55,7 @@ class _Search:
         step, failing = 1, first
         while not self._meets(meeting := min(first + step, last)):
             if meeting == last:
-                return self._never(last)
+                return self._none(last)
             failing, step = meeting, step * 2
         return self._bisect(failing, meeting, edge=first)
 
@@ -62,7 +63,7 @@ class _Search:
         """The largest index that meets the target; the meeting indices start at the beginning of the window."""
         first, last = self._window()
         if not self._meets(first):
-            return self._never(first)
+            return self._none(first)
         step, meeting = 1, first
         while self._meets(failing := min(first + step, last)):
             if failing == last:
@@ -71,7 +72,7 @@ class _Search:
         return self._bisect(failing, meeting, edge=last)
 
     def _window(self) -> tuple[int, int]:
-        """The first and last index at which the statement's conditions hold; they hold on an interval."""
+        """A first and a last index at which the statement's conditions hold; ``_check_applies`` tests the answer."""
         first, last = self._grid.first, self._grid.last
         inside, outside, step = first, first - 1, 1
         while not self._applies(inside):
@@ -103,20 +104,32 @@ class _Search:
             else:
                 failing = middle
         self._check_direction()
+        self._check_applies(meeting, failing)
         fails = self._probe(failing)
+        found = fails.verdict == "fails"
         return Solution(
             bound=self._bound,
             name=self._row.name,
             target=self._goal,
             others=self._exact,
-            status="found",
+            status="found" if found else "undecided",
             value=self._grid.number(meeting),
             meets=self._probe(meeting).enclosure,
             beyond=self._grid.number(failing),
-            fails=fails.enclosure if fails.verdict == "fails" else None,
-            excluded=self._excluded(failing, edge),
+            fails=fails.enclosure if found else None,
+            excluded=found and self._excluded(failing, edge),
             reason=self._reason(failing, fails),
         )
+
+    def _check_applies(self, *indices: int) -> None:
+        """Refuse an answer in a gap of the conditions: what holds in the intervals around it is not known."""
+        for index in indices:
+            if not self._applies(index):
+                at = f"{self._row.name} = {show(self._grid.number(index))}"
+                raise InputError(
+                    f"{self._bound.name} crosses the target at {at}, where its own conditions fail although they hold "
+                    "on both sides; choose a target it crosses elsewhere"
+                )
 
     def _excluded(self, failing: int, edge: int) -> bool:
         low, high = sorted((self._grid.number(failing), self._grid.number(edge)))
@@ -124,39 +137,47 @@ class _Search:
             self._bound, self._row.name, self._exact, self._goal, low, high, integer=self._row.domain.integer
         )
 
-    def _reason(self, failing: int, fails: Probe) -> str:
-        beyond = f"{self._row.name} = {show(self._grid.number(failing))}"
-        if fails.verdict == "undecided":
-            return f"at {beyond} the bound and the target agree to the highest precision"
-        return f"at {beyond} the bound exceeds the target"
+    def _reason(self, index: int, probe: Probe) -> str:
+        at = f"at {self._row.name} = {show(self._grid.number(index))}"
+        if probe.verdict == "fails":
+            return f"{at} the bound exceeds the target"
+        if probe.enclosure.narrow:
+            return f"{at} the bound and the target agree to the highest precision"
+        return f"{at} the highest precision encloses the bound only in {probe.enclosure}"
 
     def _edge(self, index: int) -> Solution:
         self._check_direction()
         value = self._grid.number(index)
-        reason = f"every {self._row.name} that is searched meets the target, even {self._row.name} = {show(value)}"
-        return self._without_failure("always", value, self._probe(index), reason)
-
-    def _never(self, index: int) -> Solution:
-        self._check_direction()
-        probe, best = self._probe(index), show(self._grid.number(index))
-        if probe.verdict != "fails":
-            reason = f"the bound cannot be told from the target even at {self._row.name} = {best}"
-        else:
-            reason = f"at the most favourable {self._row.name} = {best} the bound is still {probe.enclosure.lower:.6g}"
-        return self._without_failure("never", None, probe, reason)
-
-    def _without_failure(self, status: str, value: Exact | None, probe: Probe, reason: str) -> Solution:
-        always = status == "always"
         return Solution(
             bound=self._bound,
             name=self._row.name,
             target=self._goal,
             others=self._exact,
-            status="always" if always else "never",
+            status="always",
             value=value,
-            meets=probe.enclosure if always else None,
+            meets=self._probe(index).enclosure,
             beyond=None,
-            fails=None if always else probe.enclosure,
+            fails=None,
+            excluded=False,
+            reason=f"every {self._row.name} that is searched meets the target, even {self._row.name} = {show(value)}",
+        )
+
+    def _none(self, index: int) -> Solution:
+        self._check_direction()
+        probe, best = self._probe(index), show(self._grid.number(index))
+        fails = probe.verdict == "fails"
+        still = f"at the most favourable {self._row.name} = {best} the bound is still "
+        reason = still + rounded_down(probe.enclosure.lower) if fails else self._reason(index, probe)
+        return Solution(
+            bound=self._bound,
+            name=self._row.name,
+            target=self._goal,
+            others=self._exact,
+            status="never" if fails else "undecided",
+            value=None,
+            meets=None,
+            beyond=None,
+            fails=probe.enclosure if fails else None,
             excluded=False,
             reason=reason,
         )

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Callable
 from fractions import Fraction
 from functools import reduce
+from math import isfinite
 
 import numpy as np
 
@@ -14,7 +15,6 @@ from bridge_theory.arithmetic.flint_balls import Ball
 from bridge_theory.arithmetic.protocol import FloatArray, Value
 
 _LONGEST_PRODUCT = 512  # below it a product is cheaper than three log-gammas, and far tighter on wide balls
-_LONGEST_WALK = 64  # how far the float starting point of a minimisation may be off before we give up
 
 
 class Balls:
@@ -87,18 +87,26 @@ class Balls:
     def minimum_over_integers(
         self, objective: Callable[[Value], Value], near: Callable[..., FloatArray], *arguments: Value
     ) -> Value:
-        start = near(*(np.float64(flint_balls.midpoint(x)) for x in arguments))
-        return _IntegerMinimum(objective, self.number).enclose(max(1, round(float(start))))
+        with np.errstate(all="ignore"):  # the start proves nothing: where floats overflow, any will do
+            start = float(near(*(np.float64(flint_balls.midpoint(x)) for x in arguments)))
+        try:
+            return _IntegerMinimum(objective, self.number).enclose(max(1, round(start)) if isfinite(start) else 1)
+        except _UndecidedError:
+            return flint_balls.everything()  # the caller raises the precision
 
     def _lifted(self, values: tuple[Value, ...]) -> list[Ball]:
         return [self.number(value) if isinstance(value, int | Fraction) else value for value in values]
 
 
-class _IntegerMinimum:
-    """Certified minimum of a strictly quasi-convex objective over the integers ``k >= 1``.
+class _UndecidedError(Exception):
+    """Two neighbours of a minimisation cannot be told apart at the working precision."""
 
-    If ``objective(a) > objective(k)`` with ``a < k`` then every integer up to ``a`` is worse than ``a``, and likewise
-    on the right; so the minimum lies strictly between two neighbours that are certified to be worse.
+
+class _IntegerMinimum:
+    """Certified minimum of an objective over the integers ``k >= 1`` that strictly falls and then strictly rises.
+
+    A certified fall from ``k`` to ``k + 1`` puts the minimum after ``k``; a certified rise puts it at ``k`` or before.
+    So the minimum is found by doubling steps and bisection, however far off the start.
     """
 
     def __init__(self, objective: Callable[[Ball], Ball], number: Callable[[int], Ball]) -> None:
@@ -107,33 +115,24 @@ class _IntegerMinimum:
         self._known: dict[int, Ball] = {}
 
     def enclose(self, start: int) -> Ball:
-        k = self._walk_downhill(start)
-        below = self._worse_neighbour(k, -1)
-        above = self._worse_neighbour(k, +1)
-        best = self._at(k)
-        if below is None or above is None:
-            return flint_balls.everything()  # not decided at this precision: the caller raises it
-        for candidate in range(below + 1, above):
-            best = best.min(self._at(candidate))
-        return best
+        low, high, step = start - 1, start, 1
+        while not self._passed(high):
+            low, high, step = high, high + step, 2 * step
+        while low > 0 and self._passed(low):
+            low, high, step = max(0, low - step), low, 2 * step
+        while high - low > 1:
+            middle = (low + high) // 2
+            low, high = (low, middle) if self._passed(middle) else (middle, high)
+        return self._at(high).min(self._at(high + 1))
 
-    def _walk_downhill(self, k: int) -> int:
-        for _ in range(_LONGEST_WALK):
-            if self._at(k + 1) < self._at(k):
-                k += 1
-            elif k > 1 and self._at(k - 1) < self._at(k):
-                k -= 1
-            else:
-                break
-        return k
-
-    def _worse_neighbour(self, k: int, direction: int) -> int | None:
-        # two integers may tie, three cannot
-        for distance in (1, 2):
-            neighbour = k + direction * distance
-            if neighbour < 1 or self._at(neighbour) > self._at(k):
-                return neighbour
-        return None
+    def _passed(self, k: int) -> bool:
+        """Whether a minimum lies at ``k + 1`` or before; otherwise all lie after ``k``."""
+        if self._at(k + 1) < self._at(k):
+            return False
+        # k and k + 1 may tie, three neighbours cannot
+        if self._at(k + 1) > self._at(k) or self._at(k + 2) > self._at(k):
+            return True
+        raise _UndecidedError
 
     def _at(self, k: int) -> Ball:
         if k not in self._known:

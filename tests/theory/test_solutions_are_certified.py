@@ -17,7 +17,9 @@ from bridge_theory import (
     offline_radius,
     offline_radius_mass,
     offline_radius_repaired,
+    regret_known_stated,
     transition_error_rate,
+    transition_error_repaired,
     transition_error_stated,
     transition_log_covering_two_states,
 )
@@ -25,7 +27,7 @@ from bridge_theory.bound import Bound
 from bridge_theory.catalog import all_bounds
 from bridge_theory.core import Arithmetic, Value, bound, falls, rises
 from bridge_theory.errors import InputError
-from bridge_theory.parameters import PARAMETERS
+from bridge_theory.parameters import PARAMETERS, Exact
 from bridge_theory.solution import Solution
 from bridge_theory.solve import solve_for
 
@@ -173,8 +175,56 @@ def test_ties_that_no_precision_decides_are_withheld() -> None:
         return m.sqrt(m.number(2)) ** 2 * n
 
     tied = solve_for("n", falling, 1)  # equal to 1 at n = 2, which no ball can certify
-    assert (tied.value, tied.beyond, tied.fails, tied.excluded) == (3, 2, None, False)
+    assert (tied.status, tied.value, tied.beyond, tied.fails, tied.excluded) == ("undecided", 3, 2, None, False)
+    assert "n = 3 achieves falling <= 1 but is not certified to be the smallest" in tied.words
     assert "agree to the highest precision" in tied.words
-    never = solve_for("n", rising, 2)
-    assert never.status == "never"
-    assert "cannot be told from the target" in never.reason
+    tied = solve_for("n", rising, 2)
+    assert (tied.status, tied.value, tied.fails) == ("undecided", None, None)
+    assert "No n is certified to achieve rising <= 2" in tied.words
+    assert "agree to the highest precision" in tied.words
+    assert "undecided" in tied._repr_latex_()
+
+
+def test_wide_enclosures_are_undecided_and_do_not_agree() -> None:
+    @bound(
+        title="wide", symbol="x", source="test", group="offline", status="stated", words="x",
+        monotone={"n": falls("n divides"), "T": rises("it multiplies")},
+    )  # fmt: skip
+    def wide(m: Arithmetic, *, n: Value, T: Value) -> Value:
+        # the sine vanishes for every n, which no ball around a multiple of pi tells from its sign
+        return m.if_at_most(0, m.sin(n * m.pi()), lambda: T / n, lambda: 4 * T / n)
+
+    for name, others in (("n", {"T": 4}), ("T", {"n": 4})):
+        solution = solve_for(name, wide, 2, **others)
+        assert solution.status == "undecided"
+        assert "encloses the bound only in [" in solution.words
+        assert "agree" not in solution.words
+
+
+@pytest.mark.parametrize(
+    ("b", "name", "target", "others", "at_least"),
+    [
+        (transition_error_repaired, "H", 1, {"n": 10**18}, 10**24),
+        (offline_radius_repaired, "H", 1, {"n": 10**6}, 10**24),
+        (offline_radius_repaired, "n", "1e-7", {"H": 8}, 10**17),
+    ],
+)
+def test_minimum_far_from_its_float_start_is_decided(
+    b: Bound, name: str, target: Exact | str, others: dict[str, int], at_least: int
+) -> None:
+    # the float minimiser is off by more than any fixed number of integers
+    solution = solve_for(name, b, target, S=5, rows=5, delta="0.05", **others)
+    assert solution.value >= at_least
+    assert solution.status == ("found" if name == "n" else "always")
+    assert solution.meets.narrow
+    _confirm(solution)
+
+
+def test_answers_in_a_gap_of_the_conditions_are_refused() -> None:
+    point = {"W": 1, "lam": "0.1", "d": 1, "S": 1, "A": 2, "n": 1000, "T": 100, "delta": "0.05"}
+    with pytest.raises(InputError, match=r"crosses the target at B = 1\.22.*where its own conditions fail"):
+        solve_for("B", regret_known_stated, 500, **point)
+    for target in (10, 10**8):  # crossed on either side of the gap
+        solution = solve_for("B", regret_known_stated, target, **point)
+        assert solution.status == "found"
+        assert regret_known_stated.value(B=solution.value, **point).enclosure.upper <= target

@@ -48,6 +48,19 @@ def both_searches(base: ContinuousConfig, seeds: int, directory: Path, jobs: int
     return joined(parts, "search", list(SEARCHES))
 
 
+COMPARED = [
+    "suboptimality",
+    "suboptimality_seen",
+    "set_size",
+    "best_candidate",
+    "offline_set_count",
+    "expert_in_ball",
+    "expert_return",
+    "clone_return",
+]
+"""What studies of many runs keep of each; the rest stays in the files of the seeds."""
+
+
 def joined(
     parts: list[xr.Dataset], dimension: str, labels: list[str], join: Literal["exact", "outer"] = "exact"
 ) -> xr.Dataset:

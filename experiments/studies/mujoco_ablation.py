@@ -11,7 +11,7 @@ import xarray as xr
 
 from bridge_algos.run import plots
 from bridge_algos.run.summary import Mean, cumulative, mean_over_seeds, share
-from experiments.studies.mujoco import SEARCHES, TITLES, both_searches, configured, joined
+from experiments.studies.mujoco import COMPARED, SEARCHES, TITLES, both_searches, configured, joined
 
 
 def compute(settings: dict[str, Any], directory: Path, jobs: int) -> xr.Dataset:
@@ -22,7 +22,9 @@ def compute(settings: dict[str, Any], directory: Path, jobs: int) -> xr.Dataset:
     """
     base = configured(settings)
     parts = [
-        both_searches(base.but(**variation["changes"]), settings["seeds"], directory / variation["label"], jobs)
+        both_searches(base.but(**variation["changes"]), settings["seeds"], directory / variation["label"], jobs)[
+            COMPARED
+        ]
         for variation in settings["variations"]
     ]
     return joined(parts, "variation", [variation["label"] for variation in settings["variations"]], join="outer")

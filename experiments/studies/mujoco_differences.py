@@ -20,7 +20,7 @@ from bridge_algos.run import plots
 from bridge_algos.run.runner import run
 from bridge_algos.run.summary import Mean, mean_over_seeds
 from experiments.published import ALGORITHMS, agreement, published_curves
-from experiments.studies.mujoco import configured, joined
+from experiments.studies.mujoco import COMPARED, configured, joined
 
 READINGS = {
     "published": "on the rollouts that chose it, clipped at zero (as published)",
@@ -36,7 +36,7 @@ def compute(settings: dict[str, Any], directory: Path, jobs: int) -> xr.Dataset:
     for number, step in enumerate(settings["steps"]):
         config = config.but(**step["changes"])
         results = run(config, directory / f"step-{number}", settings["seeds"], jobs).sel(seed=range(settings["seeds"]))
-        parts.append(results.drop_vars("seconds"))
+        parts.append(results[COMPARED])
     return joined(parts, "step", [step["label"] for step in settings["steps"]])
 
 

@@ -37,6 +37,8 @@ def test_full_settings_are_the_published_preset() -> None:
         settings = configuration(name)["settings"]
         assert settings["seeds"] == 20
         assert mujoco.configured(settings) == continuous_preset("published", environment)
+    fewer = mujoco.configured(configuration("fig2-ant-fewer-rollouts")["settings"])
+    assert fewer == continuous_preset("published", "ant").but(rollouts=20)
     for name in ALONE:
         settings = configuration(name)["settings"]
         base = mujoco.configured(settings)

@@ -21,6 +21,7 @@ from bridge_theory import (
     elliptical_norm_sum,
     elliptical_potential,
     feature_difference_sum,
+    gamma_known,
     kappa,
     kappa_differences,
     main_simplified_rate,
@@ -33,6 +34,7 @@ from bridge_theory import (
     regret_known_log,
     regret_known_stated,
     regret_trivial,
+    regret_unknown_squared,
     squared_bonus_rate,
     squared_true_bonus_sum_stated,
     xi,
@@ -49,6 +51,19 @@ def certified_at_most(bound: Bound, limit: float, **point: object) -> bool:
 
 def certified_above(bound: Bound, limit: float, **point: object) -> bool:
     return bound.enclosure(**point).lower > limit  # type: ignore[arg-type]
+
+
+def test_the_lemma_with_its_square_promises_no_more_than_its_parts() -> None:
+    """Audit C.12: of the five events two cost delta (1 + log2 T) together; none of this is proved."""
+    point = {"B": 1, "W": 1, "lam": 1, "d": 1, "T": 1024, "delta": "0.01"}
+    part = gamma_known.value(**point, t=1024).failure
+    whole = regret_unknown_squared.value(**point, bonus_square_sum=0, potential=1, bonus_sum=0)
+    assert part is not None
+    assert whole.failure is not None
+    assert part.upper == pytest.approx(0.11)
+    assert whole.failure.upper == pytest.approx(0.14)
+    assert whole.words.startswith("With probability at least 0.86, ")
+    assert regret_unknown_squared.status == "stated"
 
 
 def test_kappa_is_the_largest_inverse_slope_of_the_sigmoid() -> None:

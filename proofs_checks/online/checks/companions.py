@@ -42,7 +42,7 @@ TRIVIAL: Mapping[str, Callable[..., float]] = {
 """What is known without the statement."""
 
 _NORM_RELATION = ("alpha_dT", "gamma_known", "regret_known_from_sum")
-_FIVE_EVENTS = ("gamma_unknown", "regret_unknown_stated", "regret_unknown_squared")
+_FIVE_EVENTS = ("gamma_unknown", "regret_unknown_stated")
 
 
 def _uncovered(S_reach: float, n: float, gamma_min: float) -> float:
@@ -52,6 +52,7 @@ def _uncovered(S_reach: float, n: float, gamma_min: float) -> float:
 FAILURE: Mapping[str, Callable[..., float]] = {
     **dict.fromkeys(_NORM_RELATION, lambda delta, T: delta + delta * log2(T)),
     **dict.fromkeys(_FIVE_EVENTS, lambda delta: 5 * delta),
+    "regret_unknown_squared": lambda delta, T: delta * (4 + log2(T)),
     "squared_bonus_sum_stated": lambda delta_martingale: 2 * delta_martingale,
     "squared_true_bonus_sum_stated": lambda delta_martingale: 2 * delta_martingale,
     "played_bonus_sum_stated": lambda delta: 2 * delta,

@@ -35,10 +35,25 @@ def evidence_by_key() -> dict[str, Evidence]:
 
 
 def all_evidence(claim: Claim) -> Iterator[Evidence]:
-    """The claim's own evidence, then that of its repaired forms."""
+    """The claim's own evidence, then that of its repaired forms and of their formulas."""
     yield from claim.evidence
     for repair in claim.repairs:
         yield from repair.evidence
+        yield from formula_evidence(repair)
+
+
+def formula_evidence(repair: Repair) -> tuple[Evidence, ...]:
+    """That ``bridge_theory`` computes what the repaired statement prints, by a second transcription.
+
+    It says nothing for the statement, so that it is no part of ``repair.evidence``.
+    """
+    from proofs_checks.offline.checks.transcription import TEXT
+    from proofs_checks.offline.evidence import text as offline_text
+    from proofs_checks.online.evidence import text as online_text
+
+    if not repair.formulas:
+        return ()
+    return ((offline_text if repair.formulas[0] in TEXT else online_text)(*repair.formulas),)
 
 
 def matching(text: str) -> tuple[Claim, ...]:

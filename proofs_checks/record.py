@@ -7,6 +7,7 @@ from typing import Any
 
 from proofs_checks.claim import Repair
 from proofs_checks.evidence import Evidence
+from proofs_checks.ledger import formula_evidence
 from proofs_checks.run import Job, Report
 from proofs_checks.standing import Standing
 
@@ -41,7 +42,7 @@ def _repair(repair: Repair, reports: Mapping[Job, Report]) -> dict[str, Any]:
         "assumptions": list(repair.assumptions),
         "proof": repair.proof,
         "formulas": list(repair.formulas),
-        "evidence": [_evidence(piece, reports) for piece in repair.evidence],
+        "evidence": [_evidence(piece, reports) for piece in (*repair.evidence, *formula_evidence(repair))],
     }
 
 

@@ -11,6 +11,7 @@ from proofs_checks.claim import MEANING, Repair
 from proofs_checks.evidence import Evidence
 from proofs_checks.html.instance import instance
 from proofs_checks.html.prose import line, paragraphs, sentence
+from proofs_checks.ledger import formula_evidence
 from proofs_checks.run import Job, Report
 from proofs_checks.standing import Standing
 
@@ -55,7 +56,7 @@ def repair_entry(repair: Repair, users: Sequence[str], reports: Reports) -> str:
         f'<article id="{anchor(repair.name)}" class="repair"><header><h3><a href="#{anchor(repair.name)}">'
         f"{escape(repair.name)}: {escape(repair.title)}</a></h3></header>"
         f'<div class="statement">{paragraphs(repair.statement)}</div>{_listed("Assumptions", repair.assumptions)}'
-        f"{_evidence(repair.evidence, reports)}{_folded('Proof', repair.proof)}"
+        f"{_evidence((*repair.evidence, *formula_evidence(repair)), reports)}{_folded('Proof', repair.proof)}"
         + (f'<p class="quiet">Computed by {formulas}.</p>' if formulas else "")
         + f'<p class="quiet">Serves {serves}.</p>'
         f"<p class=\"replay\">Replay: <code>bridge-rl check --only '{escape(repair.name)}'</code></p></article>"

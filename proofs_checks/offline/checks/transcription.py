@@ -7,7 +7,7 @@ disagrees with the text here.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from math import acos, asin, cosh, exp, log, pi, sin, sqrt
+from math import acos, asin, ceil, comb, cosh, exp, log, pi, sin, sqrt
 from typing import Any
 
 import bridge_theory
@@ -20,11 +20,13 @@ _POINTS: tuple[Mapping[str, Any], ...] = (
     {"S": 5, "A": 4, "H": 8, "n": 300, "delta": 0.05, "delta1": 0.03, "delta2": 0.02, "gamma_min": 0.1, "B": 1.5,
      "W": 0.7, "d": 3, "R": 0.02, "R1": 0.01, "R2": 0.03, "C": 1.7, "epsilon": 0.2, "log_covering": 9.0, "chi2": 0.3,
      "class_size": 33, "rows": 7, "radius": 0.3, "mass": 0.36, "kl": 0.8, "exit_mass": 0.25, "unvisited": 2,
-     "singletons": 4, "ratio": 0.4},
+     "singletons": 4, "ratio": 0.4, "counts": (40, 0, 7), "visits": (12, 3, 0), "occupancy": (0.5, 0.25, 1.0),
+     "occupancy_hat": (0.125, 0.5, 0.75), "row_errors": (0.25, 0.1, 0.3)},
     {"S": 2, "A": 3, "H": 3, "n": 7, "delta": 0.4, "delta1": 0.3, "delta2": 0.45, "gamma_min": 0.9, "B": 0.25,
      "W": 3.0, "d": 2, "R": 0.6, "R1": 0.7, "R2": 0.8, "C": 0.6, "epsilon": 1.1, "log_covering": 2.0, "chi2": 2.0,
      "class_size": 5, "rows": 2, "radius": 0.9, "mass": 0.04, "kl": 3.0, "exit_mass": 0.6, "unvisited": 1,
-     "singletons": 1, "ratio": 0.1},
+     "singletons": 1, "ratio": 0.1, "counts": (2, 5), "visits": (7, 1), "occupancy": (1.0, 0.4),
+     "occupancy_hat": (0.9, 0.0), "row_errors": (0.2, 1.0)},
 )  # fmt: skip
 
 
@@ -36,6 +38,14 @@ def _sharp_concentrability(R: float, gamma_min: float) -> float:
     if gamma_min >= (1 - R) ** 2:
         return 1 / gamma_min
     return float((1 - R + sqrt(R * (2 - R) * (1 - gamma_min) / gamma_min)) ** 2)
+
+
+def _budget(size: int, cells: tuple[int, ...], delta: float) -> float:
+    return sum(log(comb(N + size - 1, size - 1)) for N in cells) + log(1 / delta)
+
+
+def _lattice(S: int, k: int) -> float:
+    return log(comb(k + 2 * S - 2, S - 1))
 
 
 def _covariance(B: float, R: float) -> float:
@@ -92,7 +102,25 @@ TEXT: Mapping[str, Callable[..., float]] = {
     "missing_mass_good_turing": lambda n, singletons, delta: (
         singletons / n + (2 * sqrt(2) + sqrt(3)) * sqrt(log(3 / delta) / n)
     ),
+    "missing_mass_observed": lambda S, n, unvisited, delta: 1 - (delta / (S * comb(S, unvisited))) ** (1 / n),
     "offline_radius_mass": lambda mass: sqrt(mass),
+    "offline_radius_closed": lambda: 0.0,
+    "trajectory_error_symmetrised": lambda occupancy, occupancy_hat, row_errors: (
+        sum((d + d_hat) * h for d, d_hat, h in zip(occupancy, occupancy_hat, row_errors, strict=True)) / 2
+    ),
+    "trajectory_error_one_sided": lambda occupancy, row_errors: (
+        3 * sum(d * h for d, h in zip(occupancy, row_errors, strict=True))
+    ),
+    "transition_kl_budget": lambda S, counts, delta: _budget(S, counts, delta),
+    "trajectory_kl": lambda S, counts, ratio, delta: ratio * _budget(S, counts, delta),
+    "transition_error_counts": lambda S, n, counts, delta: 1 - exp(-_budget(S, (*counts, n), delta) / (2 * n)),
+    "policy_kl_budget": lambda A, visits, delta: _budget(A, visits, delta),
+    "offline_radius_stochastic": lambda A, n, visits, delta: sqrt(1 - exp(-_budget(A, visits, delta) / (2 * n))),
+    "transition_log_covering_repaired": lambda S, rows, epsilon: rows * _lattice(S, ceil((S - 1) / (exp(epsilon) - 1))),
+    "transition_error_repaired": lambda S, H, n, delta, rows: (
+        2 * log(1 / delta) / n
+        + min(2 * rows * _lattice(S, k) / n + 2 * H * log(1 + (S - 1) / k) for k in range(1, 2000))
+    ),
     "confidence_set_radius_repaired": lambda R1, R2: sqrt(R1) + 2 * sqrt(R2),
     "confidence_set_radius_deterministic": lambda R1, R2: sqrt(R1) + sqrt(2 * R2),
     "confidence_set_radius_angle": lambda R1, R2: sin(min(pi / 2, asin(sqrt(R1)) + acos(1 - R2))),

@@ -22,18 +22,21 @@ POINTS: tuple[Mapping[str, Any], ...] = (
      "delta_M": 0.07, "delta_off": 0.08, "delta_martingale": 0.09, "gamma_min": 0.1, "S_reach": 6, "uncovered": 2,
      "log_covering": 9.0, "Delta_n": 0.3, "radius": 0.3, "R2": 0.03, "diameter": 0.9, "square_sum": 7.0, "L": 1.7,
      "v": 0.6, "gamma": 5.0, "norm_sum": 2.5, "bonus_square_sum": 3.5, "log_det_ratio": 2.2, "residual": 0.4,
+     "occupancy": (6.0, 0.75, 0.25), "counts": (4000, 900, 0),
      "true_bonus": 1.9, "optimism": 3.0, "norm": 2.0, "bonus_sum": 1.1, "width_sum": 4.4, "potential": 1.6, "C": 1.7},
     {"S": 2, "A": 3, "H": 3, "n": 10**5, "T": 9, "t": 3, "K": 1, "d": 2, "B": 0.4, "W": 2.5, "lam": 3.0, "N": 20,
      "eta": 0.6, "epsilon": 0.7, "delta": 0.3, "delta_w": 0.2, "delta_V": 0.25, "delta_P": 0.35, "delta_F": 0.15,
      "delta_M": 0.1, "delta_off": 0.12, "delta_martingale": 0.22, "gamma_min": 0.9, "S_reach": 2, "uncovered": 0,
      "log_covering": 4.0, "Delta_n": 0.001, "radius": 0.01, "R2": 0.0002, "diameter": 0.05, "square_sum": 0.4, "L": 0.3,
      "v": 2.0, "gamma": 30.0, "norm_sum": 0.5, "bonus_square_sum": 0.2, "log_det_ratio": 0.3, "residual": 0.0,
+     "occupancy": (0.5, 1.5), "counts": (10**5, 20),
      "true_bonus": 0.3, "optimism": 9.0, "norm": 0.1, "bonus_sum": 0.7, "width_sum": 0.3, "potential": 0.2, "C": 0.4},
     {"S": 3, "A": 2, "H": 2, "n": 50, "T": 10**7, "t": 7, "K": 2, "d": 1, "B": 1.0, "W": 0.8, "lam": 1.2, "N": 5,
      "eta": 0.9, "epsilon": 0.4, "delta": 0.11, "delta_w": 0.21, "delta_V": 0.31, "delta_P": 0.12, "delta_F": 0.22,
      "delta_M": 0.32, "delta_off": 0.13, "delta_martingale": 0.23, "gamma_min": 0.4, "S_reach": 4, "uncovered": 1,
      "log_covering": 2.0, "Delta_n": 0.9, "radius": 0.9, "R2": 0.8, "diameter": 1e-6, "square_sum": 3.0, "L": 0.0,
      "v": 1.1, "gamma": 2.0, "norm_sum": 0.7, "bonus_square_sum": 0.6, "log_det_ratio": 0.1, "residual": 0.9,
+     "occupancy": (1.0, 0.0), "counts": (1, 5),
      "true_bonus": 0.8, "optimism": 0.2, "norm": 8.0, "bonus_sum": 0.4, "width_sum": 0.9, "potential": 0.5, "C": 2.1},
 )  # fmt: skip
 
@@ -119,6 +122,9 @@ ONLINE: Mapping[str, Callable[..., float]] = {
     "xi_repaired": _xi,
     "xi_bar": lambda S, A, H, eta, delta, epsilon, N: _xi(S, A, H, eta, delta, N, S * log(ceil(4 * eta * H / epsilon))),
     "bonus_radius": _radius,
+    "transition_bonus": lambda S, A, eta, delta_P, occupancy, counts: (
+        eta * min(2.0, sum(q * _radius(S, A, delta_P, N) for q, N in zip(occupancy, counts, strict=True)))
+    ),
     "estimated_radius_sum": lambda H, delta_P, true_bonus: H * true_bonus,
     "empirical_from_true_bonus": lambda true_bonus, epsilon, delta: 2 * true_bonus + epsilon,
     "empirical_from_true_bonus_sharp": lambda H, true_bonus, epsilon, delta: (1 + 1 / H) * true_bonus + epsilon,

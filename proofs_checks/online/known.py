@@ -98,9 +98,18 @@ R11 = Repair(
 )
 
 _TRIVIAL_REGIME = proved_step(
-    r"$x \le \sqrt{dx}$ for $0 \le x \le d$: the trivial bound $24BWTS\log(A/\delta)/n$ is of the claimed order",
+    r"$BWx \le \Gamma\sqrt{x/d}$ for $0 \le x = T|\mathcal S|/n \le d$ and a logarithm of at least 1 in $\Gamma$",
     offline_gain.trivial_regime,
     mutant("also for x up to 2d", beyond=2),
+    mutant("a logarithm of at least 0", least=0),
+)
+_TRIVIAL_REASON = (
+    r"For deterministic policies R8 gives $R_T \le 24BWT|\mathcal S|\log(|\mathcal A|/\delta)/n$, whatever is played; "
+    "the paper's own derivation is false by $\\sqrt T$."
+)
+_TRIVIAL_ASSUMPTIONS = (
+    "all policies are deterministic",
+    r"$TB \ge e\kappa\delta$, so that the logarithm in $\Gamma$ is at least 1",
 )
 
 CLAIMS = (
@@ -212,12 +221,23 @@ CLAIMS = (
         label="local:regime_small_horizon",
         name="small horizon",
         topic="regret",
-        verdict="true, proof wrong",
+        verdict="false",
         statement=r"For $T|\mathcal S| \ll nd$: $R_T = O(\Gamma\sqrt{T|\mathcal S|/(nd)})$.",
-        because=r"As derived it is false by $\sqrt T$; for deterministic policies it is true for the trivial reason "
-        r"R8, up to "
-        r"the factor $\log(|\mathcal A|/\delta)/\log(TB/(\kappa\delta))$.",
-        assumptions=("all policies are deterministic", "logarithmic factors are not counted"),
+        because=r"$\Gamma$ is negative for $TB < \kappa\delta$, and no regret is. As derived it is false by "
+        r"$\sqrt T$, too; its order is true for deterministic policies, for a trivial reason.",
+        evidence=(refuted("online-negative-regime"),),
+        repairs=(R8,),
+    ),
+    Claim(
+        label="local:regime_small_horizon",
+        part="order",
+        name="small horizon, order",
+        topic="regret",
+        verdict="true, proof wrong",
+        statement=r"For $T|\mathcal S| \le nd$, with probability at least $1-\delta$: $R_T \le "
+        r"24\log(|\mathcal A|/\delta)\,\Gamma\sqrt{T|\mathcal S|/(nd)}$.",
+        because=_TRIVIAL_REASON,
+        assumptions=_TRIVIAL_ASSUMPTIONS,
         evidence=(_TRIVIAL_REGIME,),
         repairs=(R8,),
     ),
@@ -225,10 +245,23 @@ CLAIMS = (
         label="local:regime_transition",
         name="transition regime",
         topic="regret",
-        verdict="true, proof wrong",
+        verdict="false",
         statement=r"For $T|\mathcal S| \approx nd$: $R_T = O(\Gamma)$.",
-        because="As for the small horizon: true for deterministic policies, for a trivial reason, up to logarithms.",
-        assumptions=("all policies are deterministic", "logarithmic factors are not counted"),
+        because=r"$\Gamma$ is negative for $TB < \kappa\delta$, and no regret is; the order is true for deterministic "
+        "policies, for a trivial reason.",
+        evidence=(refuted("online-negative-scale"),),
+        repairs=(R8,),
+    ),
+    Claim(
+        label="local:regime_transition",
+        part="order",
+        name="transition regime, order",
+        topic="regret",
+        verdict="true, proof wrong",
+        statement=r"For $T|\mathcal S| \le nd$, with probability at least $1-\delta$: $R_T \le "
+        r"24\log(|\mathcal A|/\delta)\,\Gamma$.",
+        because=_TRIVIAL_REASON,
+        assumptions=_TRIVIAL_ASSUMPTIONS,
         evidence=(_TRIVIAL_REGIME,),
         repairs=(R8,),
     ),

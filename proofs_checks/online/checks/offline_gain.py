@@ -98,12 +98,20 @@ def covered_bonus(*, offset: int = 0) -> Outcome:
     )  # fmt: skip
 
 
-def trivial_regime(*, beyond: int = 1) -> Outcome:
-    """x <= sqrt(d x) for 0 <= x <= d."""
+def trivial_regime(*, beyond: int = 1, least: int = 1) -> Outcome:
+    """B W x <= Gamma sqrt(x/d) for 0 <= x = T S / n <= d, where Gamma = (W sqrt(kappa B) + W B) d L with L >= 1."""
+    from proofs_checks.outcome import together
     from proofs_checks.smt import prove, reals
 
-    x, d, root = reals("x d root")
-    return prove("x <= sqrt(dx)", [d >= 1, x >= 0, x <= beyond * d, root >= 0, root * root == d * x], x <= root)
+    x, d, root, product, curved, logarithm = reals("x d root product curved logarithm")
+    chord = prove("x <= sqrt(dx)", [d >= 1, x >= 0, x <= beyond * d, root >= 0, root * root == d * x], x <= root)
+    # d sqrt(x/d) = sqrt(dx)
+    scale = prove(
+        "BWx <= Gamma sqrt(x/d)",
+        [x >= 0, x <= root, product >= 0, curved >= 0, logarithm >= least],
+        product * x <= (curved + product) * logarithm * root,
+    )
+    return together(chord, scale)
 
 
 def growth_of_the_first_term(*, constant: str = "1") -> Outcome:

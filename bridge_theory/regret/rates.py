@@ -131,10 +131,9 @@ def martingale_rate(
     r"""Statement: :math:`|\sum_tX_t|\le\tilde O\bigl(H^{5/2}WB\sqrt T/\sqrt{n\gamma_{\min}}
     +H^2WB\sqrt T|S|^{1/2}|A|^{1/4}n^{-1/4}\bigr)`.
 
-    Source: ``lem:martingale_concentration_with_offline_data``; the proof is wrong and the statement false off the
-    offline set (audit D.13), see ``martingale_repaired``. Assumptions: as
-    ``played_bonus_rate``. Arguments: as there. Errors: as there.
-    Returns a regret, up to constants and logarithms.
+    Source: ``lem:martingale_concentration_with_offline_data``; the proof is wrong and the statement open for policies
+    of the offline set, about which it is (audit D.13 with correction 9); see ``martingale_repaired``. Assumptions: as
+    ``played_bonus_rate``. Arguments: as there. Errors: as there. Returns a regret, up to constants and logarithms.
 
     >>> round(float(martingale_rate.estimate(B=1, W=1, S=5, A=4, H=8, n=1000, T=1000, gamma_min=0.1)), 1)
     1710.5

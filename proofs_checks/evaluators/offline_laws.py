@@ -107,13 +107,29 @@ def grid_size(data: Mapping[str, Any]) -> tuple[Number, Number]:
 @evaluates("offline-scaled-radius")
 def scaled_radius(data: Mapping[str, Any]) -> tuple[Number, Number]:
     """sqrt(n) times the theorem's radius at the larger and at the smaller n."""
-    s, a, h = (int(data[name]) for name in ("S", "A", "H"))
-    delta, gamma = fractions_of((data["delta"], data["gamma_min"]))
-
-    def scaled(n: int) -> Any:
-        alpha = (4 * s * log(2 * a / delta)).sqrt()
-        beta = (4 * s * s * a * log(2 * n * h / delta)).sqrt()
-        return alpha + beta * (1 + (h * (1 + 2 * alpha / (ball(gamma) * ball(n).sqrt()))).sqrt())
-
+    gamma = Fraction(data["gamma_min"])
     with working_precision(128):
-        return enclosed(scaled(int(data["n_2"]))), enclosed(scaled(int(data["n_1"])))
+        return enclosed(_scaled(data, int(data["n_2"]), gamma)), enclosed(_scaled(data, int(data["n_1"]), gamma))
+
+
+@evaluates("offline-hidden-visitation")
+def hidden_visitation(data: Mapping[str, Any]) -> tuple[Number, Number]:
+    """The theorem's radius in two environments that give the same demonstrations with positive probability.
+
+    The first state is one of two, the second of them with probability ``rare_1`` or ``rare_2``, where it is also the
+    smallest visitation probability of one step; all n demonstrations start in the first.
+    """
+    n, sides = int(data["n"]), []
+    with working_precision(128):
+        for rare in fractions_of((data["rare_1"], data["rare_2"])):
+            if not (0 < rare <= Fraction(1, 2) and (1 - rare) ** n > 0):
+                raise InputError(f"the rare state comes with probability {rare}; expected a number in (0, 1/2].")
+            sides.append(enclosed(_scaled(data, n, rare) / ball(n).sqrt()))
+    return sides[0], sides[1]
+
+
+def _scaled(data: Mapping[str, Any], n: int, gamma: Fraction) -> Any:
+    s, a, h, delta = int(data["S"]), int(data["A"]), int(data["H"]), Fraction(data["delta"])
+    alpha = (4 * s * log(2 * a / delta)).sqrt()
+    beta = (4 * s * s * a * log(2 * n * h / delta)).sqrt()
+    return alpha + beta * (1 + (h * (1 + 2 * alpha / (ball(gamma) * ball(n).sqrt()))).sqrt())

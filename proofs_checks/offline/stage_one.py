@@ -104,6 +104,19 @@ CLAIMS = (
         ),
     ),
     Claim(
+        label="thm:tabular_confidence_set",
+        part="computable",
+        name="computable from the data",
+        topic="offline",
+        verdict="false",
+        statement="The confidence set is computable: its radius uses only quantities computable from the offline data "
+        "and the estimators.",
+        because=r"$\gamma_{\min}$ belongs to the unknown expert and dynamics, and no data determine it; the repaired "
+        "radii do without.",
+        evidence=(refuted("offline-hidden-visitation"),),
+        repairs=(T8, T9),
+    ),
+    Claim(
         label="local:realizability",
         name="realizability",
         topic="offline",

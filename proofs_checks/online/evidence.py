@@ -4,13 +4,23 @@ from __future__ import annotations
 
 from proofs_checks.evidence import Evidence, exact, mutant, proved_step
 from proofs_checks.online.checks import directions as checks
-from proofs_checks.online.checks import transcription
+from proofs_checks.online.checks import orders, transcription
 
 
 def text(*names: str) -> Evidence:
     """That bridge_theory evaluates the printed formulas: a second transcription agrees."""
     words = "the formulas of bridge_theory agree with a second transcription of the text"
     return exact(words, transcription.formulas, mutant("a thousandth more", factor=1.001), names=names)
+
+
+def unbounded(family: str, words: str) -> Evidence:
+    """That no hidden constant helps: the ratio of both sides tends to infinity along a family of instances."""
+    return proved_step(
+        f"the ratio of both sides tends to infinity {words}",
+        orders.unbounded,
+        mutant("divided by the variable of the family", divided=1),
+        family=family,
+    )
 
 
 def directions(group: str) -> Evidence:

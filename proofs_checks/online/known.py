@@ -6,7 +6,7 @@ from proofs_checks.claim import Claim, Repair
 from proofs_checks.evidence import covered, exact, mutant, proved_step, refuted
 from proofs_checks.online.checks import containment, offline_gain, potential
 from proofs_checks.online.containment import R4
-from proofs_checks.online.evidence import text
+from proofs_checks.online.evidence import text, unbounded
 from proofs_checks.online.matrices import SUPERMARTINGALE, SUPERMARTINGALE_PROOF
 from proofs_checks.online.offline_gain import R8
 
@@ -172,7 +172,13 @@ CLAIMS = (
         because=r"$\Gamma$ vanishes with $W$ faster than $\kappa\beta_T$ does: the term $\kappa\sqrt{d\log T}$ was "
         r"dropped, and "
         r"$\sqrt T$ is missing.",
-        evidence=(refuted("online-known-rate"),),
+        evidence=(
+            refuted("online-known-rate"),
+            unbounded(
+                "known rate",
+                r"as $T \to \infty$ with $W = 1/\sqrt T$, $B = 1/2$, where both actions are compared in every round",
+            ),
+        ),
         repairs=(R5, R8),
     ),
     Claim(
@@ -289,7 +295,13 @@ CLAIMS = (
         verdict="false",
         statement=r"For $T|\mathcal S| \gg nd$: $R_T = O(\Gamma\sqrt{\log T})$.",
         because=r"The regret grows linearly while the sets cannot exclude the worse policy; $\sqrt T$ is missing.",
-        evidence=(refuted("online-large-horizon"),),
+        evidence=(
+            refuted("online-large-horizon"),
+            unbounded(
+                "large horizon",
+                r"as $T \to \infty$ with $W = 1/\sqrt T$, $B = 1/2$, where both actions are compared in every round",
+            ),
+        ),
         repairs=(R5,),
     ),
 )

@@ -8,7 +8,7 @@ from proofs_checks.online.bonuses import R6
 from proofs_checks.online.checks import bonus, companions, containment, offline_gain, transcription
 from proofs_checks.online.checks.transcription_regret import REGRET
 from proofs_checks.online.containment import R4, RUNS_UNKNOWN
-from proofs_checks.online.evidence import directions, text
+from proofs_checks.online.evidence import directions, text, unbounded
 from proofs_checks.online.known import R3
 from proofs_checks.online.matrices import SUPERMARTINGALE
 from proofs_checks.online.offline_gain import R8, R10
@@ -73,7 +73,7 @@ CLAIMS = (
         r"T\sqrt{\log(1+T/n)} + "
         r"\sqrt T/\sqrt{n\gamma_{\min}})$.",
         because=r"The ratio grows like $n^{1/4}$.",
-        evidence=(refuted("online-simplified-rate"),),
+        evidence=(refuted("online-simplified-rate"), unbounded("simplified rate", r"as $n \to \infty$ with $T = 100$")),
         repairs=(R7,),
     ),
     Claim(
@@ -236,7 +236,10 @@ CLAIMS = (
         because="Actions without demonstrations cost a constant each; the first term of the lemma before does not "
         "fall with n "
         "either.",
-        evidence=(refuted("online-squared-bonus-rate"),),
+        evidence=(
+            refuted("online-squared-bonus-rate"),
+            unbounded("squared bonuses", r"as $T \to \infty$ with $2T+1$ actions, where the left side is $4(T-1)$"),
+        ),
         repairs=(R10,),
     ),
     Claim(
@@ -247,7 +250,13 @@ CLAIMS = (
         statement=r"$\sqrt{T\sum_t\lVert\delta\pi_t\rVert_{\overline V_t^{-1}}} \le \sqrt{T\log(1 + \tilde "
         r"O(\cdot)/d)}$.",
         because=r"The potential bounds the sum of squares, not of norms, and the factor $2d$ is missing.",
-        evidence=(refuted("online-term-2"),),
+        evidence=(
+            refuted("online-term-2"),
+            unbounded(
+                "term 2",
+                r"as $T \to \infty$ with $W = 1/\sqrt T$, $B = 1/2$, where both actions are compared in every round",
+            ),
+        ),
         repairs=(R3,),
     ),
     Claim(
@@ -290,7 +299,10 @@ CLAIMS = (
         verdict="false",
         statement=r"$\sum_{t\le T}\frac{t}{n(n+t)} = O(\min\{T/n, \log T\})$.",
         because=r"The sum is $T/n - (H_{n+T} - H_n)$, of the order $T/n$ when $T$ is larger than $n$.",
-        evidence=(refuted("online-drift-sum"),),
+        evidence=(
+            refuted("online-drift-sum"),
+            unbounded("drift sum", r"as $T \to \infty$ with $n = 1$, where the sum is at least $T/2$"),
+        ),
     ),
     Claim(
         label="lemma:bound_on_feature_expectation_difference",

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from bridge_theory.arithmetic import Value
 from bridge_theory.arithmetic.balls import BALLS
-from bridge_theory.arithmetic.flint_balls import Ball
+from bridge_theory.arithmetic.flint_balls import rational
 from bridge_theory.conditions import Condition
 from bridge_theory.enclosure import Enclosure, enclose
 from bridge_theory.errors import InputError
@@ -43,11 +43,7 @@ class Bound(Formula):
         paper's text has no value.
         """
         exact = self.exact_arguments(values)
-        return enclose(lambda: self.ball(exact))
-
-    def ball(self, exact: Mapping[str, Stored]) -> Ball:
-        """The value as a ball at the working precision, for validated exact parameters."""
-        return self(BALLS, **ball_arguments(exact))
+        return enclose(lambda: self(BALLS, **ball_arguments(exact)))
 
     def value(self, setting: Setting | None = None, **values: Given) -> BoundValue:
         """Enclosure, terms, trivial value, failure probability and the statement in words, at a setting.
@@ -94,8 +90,8 @@ class Rate(Formula):
 
 
 def ball_arguments(exact: Mapping[str, Stored]) -> dict[str, Any]:
-    """Validated exact parameters as balls; arrays stay exact, the arithmetic converts their entries."""
-    return {name: value if isinstance(value, tuple) else BALLS.number(value) for name, value in exact.items()}
+    """Validated exact parameters as the rigorous arithmetic takes them, still exact; it converts arrays by entry."""
+    return {name: value if isinstance(value, tuple) else rational(value) for name, value in exact.items()}
 
 
 def call_with(function: Callable[..., Value], m: Any, values: Mapping[str, Any]) -> Value:

@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from fractions import Fraction
 
 from bridge_theory.arithmetic import flint_balls
-from bridge_theory.arithmetic.flint_balls import Ball
+from bridge_theory.arithmetic.protocol import Value
+from bridge_theory.rounding import rounded_down, rounded_up
 
 FIRST_BITS = 96
 LAST_BITS = 6144
@@ -19,7 +21,8 @@ class Enclosure:
     """``lower <= value <= upper``, both ends rounded outward to float64.
 
     Source: ball arithmetic (Johansson 2017). ``bits`` is the working precision that was needed; ``narrow`` is False
-    when even the highest precision left the ends more than a few units in the last place apart.
+    when even the highest precision left the ends more than a few units in the last place apart. ``exact`` is the value
+    itself where it is a rational number that the formula reaches by ``+ - * /`` alone.
 
     >>> 1.25 in Enclosure(1.0, 1.5, bits=96, narrow=False)
     True
@@ -29,6 +32,7 @@ class Enclosure:
     upper: float
     bits: int
     narrow: bool
+    exact: Fraction | None = None
 
     @property
     def width(self) -> float:
@@ -40,6 +44,16 @@ class Enclosure:
         """A float between the ends, for display."""
         return self.lower + (self.upper - self.lower) / 2 if math.isfinite(self.width) else math.nan
 
+    @property
+    def at_most(self) -> str:
+        """Six digits that the value does not exceed."""
+        return rounded_up(self.upper if self.exact is None else self.exact)
+
+    @property
+    def complement_at_least(self) -> str:
+        """Six digits that ``1 - value`` does not fall below, nor 0: the chance that an event of this failure holds."""
+        return rounded_down(1 - min(Fraction(1), Fraction(self.upper) if self.exact is None else self.exact))
+
     def __contains__(self, number: float) -> bool:
         return self.lower <= number <= self.upper
 
@@ -48,21 +62,21 @@ class Enclosure:
         return f"[{self.lower!r}, {self.upper!r}]{note}"
 
 
-def sharpen(compute: Callable[[], Ball]) -> tuple[Ball, int, bool]:
-    """Evaluate at rising precision until the ball pins a float64 down: the ball, the precision, whether it did."""
+def sharpen(compute: Callable[[], Value]) -> tuple[Value, int, bool]:
+    """Evaluate at rising precision until the ball pins a float64 down: the value, the precision, whether it did."""
     bits = FIRST_BITS
     while True:
         with flint_balls.working_precision(bits):
             value = compute()
-            narrow = flint_balls.accuracy_bits(value) >= _ENOUGH_BITS
+            narrow = flint_balls.accuracy_bits(flint_balls.as_ball(value)) >= _ENOUGH_BITS
         if narrow or bits >= LAST_BITS:
             return value, bits, narrow
         bits *= 2
 
 
-def enclose(compute: Callable[[], Ball]) -> Enclosure:
+def enclose(compute: Callable[[], Value]) -> Enclosure:
     """The certified float64 enclosure of a ball-valued computation, precision raised as far as needed."""
     value, bits, narrow = sharpen(compute)
     with flint_balls.working_precision(bits):
-        lower, upper = flint_balls.ends(value)
-    return Enclosure(lower, upper, bits, narrow)
+        lower, upper = flint_balls.ends(flint_balls.as_ball(value))
+    return Enclosure(lower, upper, bits, narrow, flint_balls.as_fraction(value))

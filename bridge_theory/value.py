@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from math import isfinite
 from typing import Any
 
 from bridge_theory.arithmetic.balls import BALLS
-from bridge_theory.arithmetic.flint_balls import Ball
+from bridge_theory.arithmetic.flint_balls import rational
+from bridge_theory.arithmetic.protocol import Value
 from bridge_theory.bound import Bound, ball_arguments, call_with
 from bridge_theory.enclosure import Enclosure, enclose
 from bridge_theory.parameters import Stored, parameter, show
@@ -33,7 +35,7 @@ class BoundValue:
     @cached_property
     def enclosure(self) -> Enclosure:
         """Certified lower and upper float64 ends of the value."""
-        return enclose(lambda: self.bound.ball(self.parameters))
+        return enclose(lambda: self.bound(BALLS, **ball_arguments(self.parameters)))
 
     @cached_property
     def terms(self) -> dict[str, Enclosure]:
@@ -45,18 +47,18 @@ class BoundValue:
 
     @cached_property
     def shares(self) -> dict[str, float]:
-        """Each term's fraction of the sum (display only); empty unless the terms are added."""
-        outcome = self._outcome()
-        if not isinstance(outcome, Terms) or outcome.combine != "sum":
+        """Each term's fraction of the sum (display only); empty unless the terms are added and the sum is known."""
+        whole = self.enclosure.middle
+        if not self._adds or not isfinite(whole) or whole == 0:
             return {}
-        return {name: term.middle / self.enclosure.middle for name, term in self.terms.items()}
+        return {name: term.middle / whole for name, term in self.terms.items()}
 
     @property
     def dominant(self) -> str | None:
-        """The term that decides the value: the largest of a sum, the smallest of a minimum."""
-        if not self.terms:
+        """The term that decides the value: the largest of a sum, the smallest of a minimum; None if not known."""
+        if not self.terms or not all(isfinite(term.middle) for term in self.terms.values()):
             return None
-        pick = max if self.shares else min
+        pick = max if self._adds else min
         return pick(self.terms, key=lambda name: self.terms[name].middle)
 
     @cached_property
@@ -66,9 +68,8 @@ class BoundValue:
         if trivial is None:
             return None
         if callable(trivial):
-            compute: Callable[[], Ball] = lambda: call_with(trivial, BALLS, ball_arguments(self.parameters))  # noqa: E731
-            return enclose(compute)
-        return enclose(lambda: BALLS.number(trivial))
+            return enclose(lambda: call_with(trivial, BALLS, ball_arguments(self.parameters)))
+        return enclose(lambda: rational(trivial))
 
     @property
     def vacuous(self) -> bool | None:
@@ -90,8 +91,8 @@ class BoundValue:
     @property
     def words(self) -> str:
         """The statement in words: its probability, its value, its assumptions."""
-        chance = "" if self.failure is None else f"with probability at least {max(0.0, 1 - self.failure.upper):.6g}, "
-        statement = chance + self.bound.words.format(value=f"{self.enclosure.upper:.6g}")
+        chance = "" if self.failure is None else f"with probability at least {self.failure.complement_at_least}, "
+        statement = chance + self.bound.words.format(value=self.enclosure.at_most)
         provided = f", provided {'; '.join(self.bound.assumptions)}" if self.bound.assumptions else ""
         empty = " This is no better than the trivial value." if self.vacuous else ""
         return statement[0].upper() + statement[1:] + provided + "." + empty
@@ -112,12 +113,17 @@ class BoundValue:
         shown = ", ".join(f"{parameter(name).latex} = {show(value)}" for name, value in self.parameters.items())
         return rf"${self.bound.symbol} \in [{self.enclosure.lower!r}, {self.enclosure.upper!r}] \quad ({shown})$"
 
-    def _spent(self) -> Ball:
+    def _spent(self) -> Value:
         arguments = ball_arguments(self.parameters)
-        return sum((arguments[name] for name in self.bound.spends), start=BALLS.number(0))
+        return sum((arguments[name] for name in self.bound.spends), start=rational(0))
+
+    @property
+    def _adds(self) -> bool:
+        outcome = self._outcome()
+        return isinstance(outcome, Terms) and outcome.combine == "sum"
 
     def _outcome(self) -> Any:
         return self.bound.function(BALLS, **ball_arguments(self.parameters))
 
-    def _term(self, name: str) -> Callable[[], Ball]:
+    def _term(self, name: str) -> Callable[[], Value]:
         return lambda: self._outcome().parts[name]

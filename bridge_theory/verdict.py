@@ -9,7 +9,7 @@ from typing import Literal
 
 from bridge_theory.arithmetic import flint_balls
 from bridge_theory.arithmetic.balls import BALLS
-from bridge_theory.arithmetic.flint_balls import Ball
+from bridge_theory.arithmetic.protocol import Value
 from bridge_theory.bound import Bound, ball_arguments
 from bridge_theory.enclosure import FIRST_BITS, LAST_BITS, Enclosure
 from bridge_theory.errors import InputError
@@ -42,8 +42,8 @@ def decide(bound: Bound, exact: Mapping[str, Stored], target: Exact) -> Probe:
     bits = FIRST_BITS
     while True:
         with flint_balls.working_precision(bits):
-            value, goal = bound.ball(exact), BALLS.number(target)
-            verdict = _compare(value, goal)
+            outcome = bound(BALLS, **ball_arguments(exact))
+            value, verdict = flint_balls.as_ball(outcome), _compare(outcome, flint_balls.rational(target))
             if verdict != "undecided" or bits >= LAST_BITS:
                 lower, upper = flint_balls.ends(value)
                 return Probe(verdict, Enclosure(lower, upper, bits, flint_balls.accuracy_bits(value) >= 53))
@@ -65,7 +65,7 @@ def excluded_by_boxes(
         left, right = pending.pop()
         with flint_balls.working_precision(FIRST_BITS * 2):
             point = {**ball_arguments(fixed), name: flint_balls.box(left, right)}
-            proved = _compare(bound(BALLS, **point), BALLS.number(target)) == "fails"
+            proved = _compare(bound(BALLS, **point), flint_balls.rational(target)) == "fails"
         if proved:
             continue
         if left == right:
@@ -83,7 +83,7 @@ def _halves(left: Exact, right: Exact, integer: bool) -> list[tuple[Exact, Exact
     return [(left, centre), (centre, right)]
 
 
-def _compare(value: Ball, goal: Ball) -> Verdict:
+def _compare(value: Value, goal: Value) -> Verdict:
     if value <= goal:
         return "meets"
     return "fails" if value > goal else "undecided"

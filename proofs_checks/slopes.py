@@ -95,6 +95,9 @@ class Slopes:
     def number(self, value: int | Fraction) -> Slope:
         return lifted(value)
 
+    def power(self, x: Any, exponent: Any) -> Slope:
+        return lifted(x) ** lifted(exponent)
+
     def sqrt(self, x: Any) -> Slope:
         return lifted(x).through(lambda v: v.sqrt(), lambda v: 1 / (2 * v.sqrt()))
 

@@ -6,63 +6,71 @@ from collections import Counter
 from collections.abc import Callable
 from fractions import Fraction
 from functools import reduce
-from math import isfinite
+from math import ceil, isfinite
 
 import numpy as np
 
 from bridge_theory.arithmetic import flint_balls
-from bridge_theory.arithmetic.flint_balls import Ball
+from bridge_theory.arithmetic.flint_balls import Ball, as_ball
 from bridge_theory.arithmetic.protocol import FloatArray, Value
 
 _LONGEST_PRODUCT = 512  # below it a product is cheaper than three log-gammas, and far tighter on wide balls
 
 
 class Balls:
-    """Operations on ``arb`` balls at the working precision; array-valued arguments are tuples of exact numbers."""
+    """Operations on ``arb`` balls at the working precision; array-valued arguments are tuples of exact numbers.
+
+    Values may also be exact rationals, which ``+ - * /`` and ``ceil`` keep exact.
+    """
 
     def number(self, value: int | Fraction) -> Value:
         return flint_balls.ball(value)
 
+    def power(self, x: Value, exponent: Value) -> Value:
+        return as_ball(x) ** as_ball(exponent)
+
     def sqrt(self, x: Value) -> Value:
-        return x.sqrt()
+        return as_ball(x).sqrt()
 
     def log(self, x: Value) -> Value:
-        return x.log()
+        return as_ball(x).log()
 
     def log1p(self, x: Value) -> Value:
-        return x.log1p()
+        return as_ball(x).log1p()
 
     def exp(self, x: Value) -> Value:
-        return x.exp()
+        return as_ball(x).exp()
 
     def expm1(self, x: Value) -> Value:
-        return x.expm1()
+        return as_ball(x).expm1()
 
     def cosh(self, x: Value) -> Value:
-        return x.cosh()
+        return as_ball(x).cosh()
 
     def sin(self, x: Value) -> Value:
-        return x.sin()
+        return as_ball(x).sin()
 
     def arcsin(self, x: Value) -> Value:
-        return x.asin()
+        return as_ball(x).asin()
 
     def arccos(self, x: Value) -> Value:
-        return x.acos()
+        return as_ball(x).acos()
 
     def pi(self) -> Value:
         return flint_balls.pi_ball()
 
     def min(self, *values: Value) -> Value:
-        return reduce(lambda x, y: x.min(y), self._lifted(values))
+        return reduce(lambda x, y: x.min(y), map(as_ball, values))
 
     def max(self, *values: Value) -> Value:
-        return reduce(lambda x, y: x.max(y), self._lifted(values))
+        return reduce(lambda x, y: x.max(y), map(as_ball, values))
 
     def ceil(self, x: Value) -> Value:
-        return x.ceil()
+        exact = flint_balls.as_fraction(x)
+        return x.ceil() if exact is None else flint_balls.rational(ceil(exact))
 
     def log_binomial(self, top: Value, bottom: Value) -> Value:
+        top, bottom = as_ball(top), as_ball(bottom)
         count = flint_balls.exact_integer(bottom)
         if count is None or count > _LONGEST_PRODUCT:
             return (top + 1).lgamma() - (bottom + 1).lgamma() - (top - bottom + 1).lgamma()
@@ -76,7 +84,7 @@ class Balls:
             return then()
         if x > y:
             return otherwise()
-        return then().union(otherwise())
+        return as_ball(then()).union(as_ball(otherwise()))
 
     def sum(self, summand: Callable[..., Value], *arrays: Value) -> Value:
         # equal cells are summed once: count tables have few distinct values
@@ -88,14 +96,11 @@ class Balls:
         self, objective: Callable[[Value], Value], near: Callable[..., FloatArray], *arguments: Value
     ) -> Value:
         with np.errstate(all="ignore"):  # the start proves nothing: where floats overflow, any will do
-            start = float(near(*(np.float64(flint_balls.midpoint(x)) for x in arguments)))
+            start = float(near(*(np.float64(flint_balls.midpoint(as_ball(x))) for x in arguments)))
         try:
             return _IntegerMinimum(objective, self.number).enclose(max(1, round(start)) if isfinite(start) else 1)
         except _UndecidedError:
             return flint_balls.everything()  # the caller raises the precision
-
-    def _lifted(self, values: tuple[Value, ...]) -> list[Ball]:
-        return [self.number(value) if isinstance(value, int | Fraction) else value for value in values]
 
 
 class _UndecidedError(Exception):
@@ -136,7 +141,7 @@ class _IntegerMinimum:
 
     def _at(self, k: int) -> Ball:
         if k not in self._known:
-            self._known[k] = self._objective(self._number(k))
+            self._known[k] = as_ball(self._objective(self._number(k)))
         return self._known[k]
 
 

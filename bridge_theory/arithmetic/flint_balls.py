@@ -46,6 +46,29 @@ def ball(value: int | Fraction) -> Ball:
     return arb(value) if isinstance(value, int) else arb(fmpq(value.numerator, value.denominator))
 
 
+def rational(value: int | Fraction) -> Any:
+    """An exact number that mixes with balls: ``+ - * /`` among such numbers stay exact, with a ball they give a ball.
+
+    >>> rational(Fraction(1, 10)) * 20, rational(Fraction(1, 10)) * ball(20)
+    (2, [2.00000000000000 +/- ...])
+    """
+    return fmpq(value.numerator, value.denominator)
+
+
+def as_ball(x: Any) -> Ball:
+    """A ball around a value of the rigorous arithmetic, be it a ball already or an exact number."""
+    return x if isinstance(x, arb) else ball(x) if isinstance(x, int | Fraction) else arb(x)
+
+
+def as_fraction(x: Any) -> Fraction | None:
+    """The exact number that a value of the rigorous arithmetic is, or None for a ball.
+
+    >>> as_fraction(rational(3) / 2), as_fraction(ball(3))
+    (Fraction(3, 2), None)
+    """
+    return Fraction(int(x.p), int(x.q)) if isinstance(x, fmpq) else None
+
+
 def box(lower: int | Fraction, upper: int | Fraction) -> Ball:
     """A ball that contains every real number from ``lower`` to ``upper``.
 

@@ -18,6 +18,9 @@ class Floats:
     def number(self, value: int | Fraction) -> Value:
         return np.float64(value)
 
+    def power(self, x: Value, exponent: Value) -> Value:
+        return x**exponent
+
     def sqrt(self, x: Value) -> Value:
         return np.sqrt(x)
 

@@ -16,10 +16,13 @@ FloatArray: TypeAlias = npt.NDArray[np.float64]
 
 
 class Arithmetic(Protocol):
-    """The operations of a formula besides ``+ - * / **``, which its values support themselves."""
+    """The operations of a formula besides ``+ - * /`` and whole powers, which its values support themselves."""
 
     def number(self, value: int | Fraction) -> Value:
         """The exact constant ``value``; needed where two Python integers would otherwise meet, as in ``1 / 2``."""
+
+    def power(self, x: Value, exponent: Value) -> Value:
+        """``x ** exponent`` where the exponent is a value and not a Python integer; ``x >= 0``."""
 
     def sqrt(self, x: Value) -> Value:
         """Square root; the caller knows that ``x >= 0``."""

@@ -65,6 +65,9 @@ class Symbols:
     def number(self, value: int | Fraction) -> Value:
         return sympy.Rational(value.numerator, value.denominator)
 
+    def power(self, x: Value, exponent: Value) -> Value:
+        return x**exponent
+
     def sqrt(self, x: Value) -> Value:
         return sympy.sqrt(x)
 

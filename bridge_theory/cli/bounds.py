@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -31,7 +32,7 @@ def main(argv: list[str], data: Sequence[BoundValue] = ()) -> int:
     >>> main(["--S", "5", "--A", "4", "--n", "10000", "--delta", "0.05", "--only", "lem:offline_CI_under_known_dyn"])
     offline
       bound                 value     enclosure ...
-      offline_radius_known  0.114656  [0.1146563..., 0.1146563...]  1        no       stated
+      offline_radius_known  0.114657  [0.1146563..., 0.1146563...]  1        no       stated
       lem:offline_CI_under_known_dyn
     0
     """
@@ -50,7 +51,7 @@ def main(argv: list[str], data: Sequence[BoundValue] = ()) -> int:
     rows = [row_for(formula, setting) for formula in complete] + [Row(value.bound, value) for value in data]
     rest = [formula for formula in formulas if formula not in complete]
     if arguments.json:
-        print(json.dumps([_record(row) for row in rows], indent=2))
+        print(json.dumps([_record(row) for row in rows], indent=2, allow_nan=False))
     elif arguments.latex:
         print(_latex(rows))
     else:
@@ -97,9 +98,9 @@ def _cells(row: Row) -> tuple[str, ...]:
     if row.value is None:
         return (row.formula.name, "undefined", row.problem, "-", "-", *ends)
     value = row.value
-    trivial = "-" if value.trivial is None else f"{value.trivial.middle:.6g}"
+    trivial = "-" if value.trivial is None else value.trivial.at_most
     vacuous = {None: "-", True: "vacuous", False: "no"}[value.vacuous]
-    return (row.formula.name, f"{value.enclosure.middle:.6g}", str(value.enclosure), trivial, vacuous, *ends)
+    return (row.formula.name, value.enclosure.at_most, str(value.enclosure), trivial, vacuous, *ends)
 
 
 def _filled_in(rows: list[Row], setting: Setting) -> str:
@@ -126,14 +127,19 @@ def _record(row: Row) -> dict[str, Any]:
         return record | {"estimate": row.estimate, "problem": row.problem or None}
     value = row.value
     return record | {
-        "lower": value.enclosure.lower,
-        "upper": value.enclosure.upper,
-        "trivial": None if value.trivial is None else value.trivial.middle,
+        "lower": _finite(value.enclosure.lower),
+        "upper": _finite(value.enclosure.upper),
+        "trivial": None if value.trivial is None else _finite(value.trivial.upper),
         "vacuous": value.vacuous,
         "parameters": {name: show(number) for name, number in value.parameters.items()},
-        "terms": {name: [term.lower, term.upper] for name, term in value.terms.items()},
+        "terms": {name: [_finite(term.lower), _finite(term.upper)] for name, term in value.terms.items()},
         "words": value.words,
     }
+
+
+def _finite(value: float) -> float | None:
+    """JSON has no infinity; an end that is not known is null."""
+    return value if math.isfinite(value) else None
 
 
 def _latex(rows: list[Row]) -> str:
@@ -143,8 +149,10 @@ def _latex(rows: list[Row]) -> str:
         )
     lines = []
     for row in rows:
-        number = row.value.enclosure.middle if row.value else row.estimate
-        shown = "" if number is None else rf" \approx {number:.6g}"
+        if row.value:
+            shown = rf" \leq {row.value.enclosure.at_most}" if math.isfinite(row.value.enclosure.upper) else ""
+        else:
+            shown = "" if row.estimate is None else rf" \approx {row.estimate:.6g}"
         lines.append(rf"  {row.formula.latex()}{shown} &\quad\text{{{row.formula.status}}} % {row.formula.name}")
     return "\n".join([r"\begin{align*}", " \\\\\n".join(_break(line) for line in lines), r"\end{align*}"])
 

@@ -44,11 +44,11 @@ def _listed(heading: str, lines: tuple[str, ...] | list[str]) -> str:
 def _valued(value: BoundValue) -> str:
     lines = [f"Value: {value.enclosure}"]
     if value.trivial is not None:
-        lines.append(f"Trivial value: {value.trivial.middle:.6g}")
+        lines.append(f"Trivial value: {value.trivial.at_most}")
     if value.terms:
         mark = {value.dominant: "dominates"}
         rows = [
-            (name, f"{term.middle:.6g}", f"{value.shares[name]:.1%}" if value.shares else "", mark.get(name, ""))
+            (name, term.at_most, f"{value.shares[name]:.1%}" if value.shares else "", mark.get(name, ""))
             for name, term in value.terms.items()
         ]
         lines.append(text_table(("term", "value", "share", ""), rows))

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from bridge_theory.core import Arithmetic, Value, bound, falls, rises, total
+from bridge_theory.core import Arithmetic, Value, bound, falls, requires, rises, total
 from bridge_theory.preference import kappa, kappa_differences
 
 MODEL = (
     "trajectory features have norm at most B and the preference weights norm at most W",
     "preferences follow the Bradley-Terry model of the sampled trajectories",
 )
+WITHIN_ROUNDS = requires(lambda t, T: t <= T, "t <= T (one of the T rounds)")
 _LOG_RISES = rises("d log(1 + c/d) rises in d for every c >= 0")
 
 

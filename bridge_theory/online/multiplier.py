@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bridge_theory.core import Arithmetic, Value, bound, falls, rises, total
-from bridge_theory.online.confidence import MODEL
+from bridge_theory.online.confidence import MODEL, WITHIN_ROUNDS
 from bridge_theory.online.norm_relation import gamma_known, norm_relation
 from bridge_theory.preference import kappa
 
@@ -20,6 +20,7 @@ _BONUS_RISES = rises("it is under the root")
     failure=lambda m, delta: 5 * delta,
     words="the true weights lie within {value} of the projected ones in the norm of the estimated data matrix",
     assumptions=(*MODEL, "the five events of the containment proof hold together"),
+    conditions=(WITHIN_ROUNDS,),
     monotone={
         "bonus_square_sum": _BONUS_RISES,
         "T": rises("alpha rises"),
@@ -38,9 +39,9 @@ def gamma_unknown(
 
     Source: ``local:gamma_unknown`` (appendix, the policy set); the norm relation ``lem:estimated_norm_relation`` leaves
     its policy free, which this sum repairs (audit C.6). Assumptions: the events of the containment proof. Arguments:
-    ``B, W, lam`` > 0, ``d, t, T`` positive integers, ``delta`` in (0, 1), ``bonus_square_sum`` >= 0 the sum of the
-    squared empirical bonuses at the failure probabilities ``step_bonus_delta``. Returns a number without unit. Errors:
-    ``InputError``.
+    ``B, W, lam`` > 0, ``d, t, T`` positive integers with ``t <= T``, ``delta`` in (0, 1), ``bonus_square_sum`` >= 0
+    the sum of the squared empirical bonuses at the failure probabilities ``step_bonus_delta``. Returns a number without
+    unit. Errors: ``InputError``.
 
     >>> round(float(gamma_unknown.estimate(B=1, W=1, lam=1, d=1, t=1, T=1, delta=0.05, bonus_square_sum=0)), 3)
     139.701
@@ -63,6 +64,7 @@ def gamma_unknown(
         "one comparison a round",
         "transitions come from the real dynamics",
     ),
+    conditions=(WITHIN_ROUNDS,),
     monotone={
         "bonus_square_sum": _BONUS_RISES,
         "t": rises("norm_relation rises"),
@@ -113,7 +115,7 @@ def online_bonus_delta(m: Arithmetic, *, S: Value, A: Value, delta: Value) -> Va
     >>> float(online_bonus_delta.estimate(S=2, A=4, delta=0.5))
     0.015625
     """
-    return delta / (2 * A**S)
+    return delta / (2 * m.power(A, S))
 
 
 @bound(
@@ -165,7 +167,7 @@ def net_delta(m: Arithmetic, *, W: Value, d: Value, epsilon: Value, delta: Value
     >>> float(net_delta.estimate(W=1, d=2, epsilon=4, delta=0.5))
     0.125
     """
-    return delta / (1 + 4 * W / epsilon) ** d
+    return delta / m.power(1 + 4 * W / epsilon, d)
 
 
 @bound(
@@ -191,4 +193,4 @@ def step_bonus_delta(m: Arithmetic, *, S: Value, A: Value, t: Value, delta: Valu
     >>> float(step_bonus_delta.estimate(S=1, A=2, t=2, delta=0.5))
     0.00390625
     """
-    return delta / (8 * t**3 * A**S)
+    return delta / (8 * t**3 * m.power(A, S))

@@ -165,7 +165,7 @@ def delta_n_version_space_sharp(m: Arithmetic, *, S: Value, n: Value, delta_off:
     0.006409
     """
     two = m.number(2)
-    log_sets = S * m.log(two) + m.log1p(-(two ** (-S)))  # log(2^S - 1) without overflow
+    log_sets = S * m.log(two) + m.log1p(-m.power(two, -S))  # log(2^S - 1) without overflow
     return -m.expm1((m.log(delta_off) - log_sets) / n)
 
 
@@ -194,7 +194,7 @@ def exact_recovery_failure(m: Arithmetic, *, S_reach: Value, n: Value, gamma_min
     >>> round(float(exact_recovery_failure.estimate(S_reach=5, n=100, gamma_min=0.1)), 8)
     0.00013281
     """
-    return S_reach * (1 - gamma_min) ** n
+    return S_reach * m.power(1 - gamma_min, n)
 
 
 @bound(

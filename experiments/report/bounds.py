@@ -66,11 +66,11 @@ def _cells(row: Row) -> tuple[str, ...]:
     if row.value is None:
         return (name, "undefined", "–", escape(row.problem), status)
     value = row.value
-    trivial = "–" if value.trivial is None else f"{value.trivial.middle:.4g}"
+    trivial = "–" if value.trivial is None else value.trivial.at_most
     undecided = "–" if value.trivial is None else "not decided"
     yes = "claims to" if false else '<b class="says">yes</b>'
     says = {None: undecided, True: '<span class="empty">no</span>', False: yes}[value.vacuous]
-    return (name, f'<span title="{escape(str(value.enclosure))}">{value.enclosure.middle:.4g}</span>', trivial, says,
+    return (name, f'<span title="{escape(str(value.enclosure))}">{value.enclosure.at_most}</span>', trivial, says,
             status)  # fmt: skip
 
 

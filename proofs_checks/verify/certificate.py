@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from decimal import ROUND_CEILING, Context
 from fractions import Fraction
 from math import isfinite
 from typing import Any
 
 import numpy as np
 
+from bridge_theory.rounding import rounded_up as decimals_above
 from proofs_checks.verify.enclosed import FloatArray
 
 BOUNDS = ("trivial", "ucb", "width", "hindsight", "best")
@@ -111,6 +111,4 @@ def table(certificates: Sequence[Certificate]) -> str:
 
 def rounded_up(value: float) -> str:
     """A bound as text: six significant digits, rounded up, and ``"-"`` where it is infinite."""
-    if not isfinite(value):
-        return "-"
-    return format(Context(prec=6, rounding=ROUND_CEILING).create_decimal(value).normalize(), "f")
+    return decimals_above(value) if isfinite(value) else "-"

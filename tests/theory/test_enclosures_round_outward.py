@@ -11,7 +11,14 @@ from flint import arb
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bridge_theory import concentrability_sharp, kappa, policy_error_stated, transition_error_repaired
+from bridge_theory import (
+    concentrability_sharp,
+    kappa,
+    policy_error_stated,
+    squared_true_bonus_sum_stated,
+    transition_error_repaired,
+    xi_bar,
+)
 from bridge_theory.arithmetic import flint_balls
 from bridge_theory.arithmetic.balls import BALLS
 from bridge_theory.arithmetic.flint_balls import ball, box, ends, working_precision
@@ -163,3 +170,15 @@ def test_ball_log_binomial_in_both_regimes(bottom: int) -> None:
 def test_ball_log_binomial_of_a_fraction() -> None:
     half = BALLS.log_binomial(ball(3), ball(Fraction(3, 2)))
     assert half.overlaps((ball(32) / (3 * flint_balls.pi_ball())).log())
+
+
+def test_ceilings_of_exact_rationals_are_exact() -> None:
+    # 4 eta H / epsilon is the integer 320, which no ball around 1/10 tells from its neighbours
+    point = {"S": 5, "A": 4, "H": 8, "eta": 1, "delta": "0.05", "epsilon": "0.1"}
+    uniform = xi_bar.enclosure(N=1000, **point)
+    assert uniform.narrow
+    assert 0.97593 < uniform.lower <= uniform.upper < 0.97594
+    assert squared_true_bonus_sum_stated.enclosure(
+        n=1000, t=100, T=100, gamma_min="0.1", S_reach=5, delta_martingale="0.05", **point
+    ).narrow
+    assert BALLS.ceil(ball(Fraction(7, 2))) == 4

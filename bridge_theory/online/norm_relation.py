@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bridge_theory.core import Arithmetic, Value, bound, falls, rises, total
-from bridge_theory.online.confidence import MODEL, beta_repaired, beta_t
+from bridge_theory.online.confidence import MODEL, WITHIN_ROUNDS, beta_repaired, beta_t
 from bridge_theory.preference import kappa, kappa_differences
 
 _PRECISION_EVENT = ("the expected data matrix is at most 2 V_T + 84 B^2 d log((1+2T)/delta) I",)
@@ -80,6 +80,7 @@ def alpha_dT(m: Arithmetic, *, B: Value, W: Value, d: Value, T: Value, delta: Va
     failure=lambda m, T, delta: delta + delta * m.log(T) / m.log(m.number(2)),
     words="the true weights lie within {value} of the projected ones in the norm of the expected data matrix",
     assumptions=(*MODEL, *_PRECISION_EVENT, "delta <= 1/e"),
+    conditions=(WITHIN_ROUNDS,),
     monotone={
         "t": rises("beta_t rises"),
         "T": rises("alpha rises"),
@@ -94,8 +95,8 @@ def gamma_known(m: Arithmetic, *, B: Value, W: Value, lam: Value, d: Value, t: V
 
     Source: ``local:gamma_known`` and ``lem:norm_relation_known_dyn``; audit C.5: for ``t < T`` it is not implied by the
     event the paper conditions on; ``norm_relation`` holds for all ``t``. Assumptions: as ``alpha_dT``. Arguments: ``B,
-    W, lam`` > 0, ``d, t, T`` positive integers, ``delta`` in (0, 1). Returns a number without unit. Errors:
-    ``InputError``.
+    W, lam`` > 0, ``d, t, T`` positive integers with ``t <= T``, ``delta`` in (0, 1). Returns a number without unit.
+    Errors: ``InputError``.
 
     >>> round(float(gamma_known.estimate(B=1, W=1, lam=1, d=1, t=1, T=1, delta=0.05)), 3)
     98.077
@@ -115,6 +116,7 @@ def gamma_known(m: Arithmetic, *, B: Value, W: Value, lam: Value, d: Value, t: V
     spends=("delta_w", "delta_V"),
     words="in every round the true weights lie within {value} of the projected ones in the norm of the expected matrix",
     assumptions=(*MODEL, "the projection is exact", "one comparison a round"),
+    conditions=(WITHIN_ROUNDS,),
     monotone={
         "t": rises("beta_t rises"),
         "T": rises("the logarithm rises"),
@@ -135,7 +137,7 @@ def norm_relation(
 
     Source: audit R9, which replaces Saha et al. 2023, Corollary 1. Assumptions: bounded features and weights,
     Bradley-Terry model, ``w_t`` an exact projection. Arguments: ``B, W, lam`` > 0, ``d, t, T`` positive integers with
-    ``t <= T`` meant, ``delta_w, delta_V`` in (0, 1). Returns a number without unit. Errors: ``InputError``.
+    ``t <= T``, ``delta_w, delta_V`` in (0, 1). Returns a number without unit. Errors: ``InputError``.
 
     >>> round(float(norm_relation.estimate(B=1, W=1, lam=1, d=1, t=1, T=1, delta_w=0.05, delta_V=0.05)), 3)
     62.727
@@ -156,6 +158,7 @@ def norm_relation(
     spends=("delta_w", "delta_V"),
     words="in every round the true weights lie within {value} of the projected ones in the norm of the expected matrix",
     assumptions=(*MODEL, "the projection is exact", "one comparison a round"),
+    conditions=(WITHIN_ROUNDS,),
     monotone={
         "t": rises("beta_t rises"),
         "T": rises("the logarithm rises"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from bridge_theory.core import Arithmetic, Value, bound, falls, requires, rises, total, undefined_unless
+from bridge_theory.online.confidence import WITHIN_ROUNDS
 from bridge_theory.online.coverage import VISITS
 
 
@@ -116,7 +117,10 @@ def squared_bonus_sum_stated(
     failure=lambda m, delta_martingale: 2 * delta_martingale,
     words="the squared true bonuses of both policies sum to at most {value}",
     assumptions=VISITS,
-    conditions=(undefined_unless(lambda H, T: H * T >= 2, "log(log 1)", repaired="squared_true_bonus_sum_repaired"),),
+    conditions=(
+        WITHIN_ROUNDS,
+        undefined_unless(lambda H, T: H * T >= 2, "log(log 1)", repaired="squared_true_bonus_sum_repaired"),
+    ),
     monotone={
         **_LOG_TERM,
         **_GROWTH,
@@ -138,8 +142,8 @@ def squared_true_bonus_sum_stated(
     with :math:`V=H\log(|S||A|H)+|S|\log\lceil4\eta H/\varepsilon\rceil+\log(6\log(HT)/\delta)`.
 
     Source: ``lemma:offline_squared_bonus_bound``; the proof is wrong (audit D.4). Assumptions: minimum visitation.
-    Arguments: as ``squared_bonus_sum_stated``; ``t`` a positive integer, ``delta`` in (0, 1). Returns a number in the
-    units of ``eta`` squared. Errors: as there.
+    Arguments: as ``squared_bonus_sum_stated``; ``t <= T`` a positive integer, ``delta`` in (0, 1). Returns a number in
+    the units of ``eta`` squared. Errors: as there.
 
     >>> setting = dict(S=5, A=4, H=8, eta=1, epsilon=0.1, n=1000, gamma_min=0.1, S_reach=5, delta=0.05)
     >>> round(float(squared_true_bonus_sum_stated.estimate(t=100, T=100, delta_martingale=0.05, **setting)))

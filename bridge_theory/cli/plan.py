@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -23,6 +23,9 @@ from bridge_theory.solve import solve_for
 
 _QUERIES = tuple(round(10 ** (exponent / 8)) for exponent in range(8, 57))  # T from 10 to 10^7
 _TABLE_STEP = 8
+
+Answer: TypeAlias = tuple[Bound, Solution | str]
+"""A bound with its solution, or with the reason why it is left out."""
 
 
 def main(argv: list[str]) -> int:
@@ -43,14 +46,17 @@ def main(argv: list[str]) -> int:
     records: list[dict[str, Any]] = []
     blocks: list[str] = []
     if arguments.target_radius is not None:
-        solutions = _solutions(RADIUS, "n", arguments.target_radius, setting)
-        records += map(_record, solutions)
-        blocks.append(f"demonstrations n for a radius of at most {arguments.target_radius}\n{_certified(solutions)}")
+        _check_target("--target-radius", arguments.target_radius)
+        answers = _answers(RADIUS, "n", arguments.target_radius, setting)
+        records += [_record(answer, "n") for answer in answers]
+        heading = f"demonstrations n for a radius of at most {arguments.target_radius}"
+        blocks.append(f"{heading}\n{_certified(answers, 'n')}")
     if arguments.target_regret is not None:
+        _check_target("--target-regret", arguments.target_regret)
         text, regret = _regret(arguments.target_regret, setting, Path(arguments.figure))
         records += regret
         blocks.append(text)
-    print(json.dumps(records, indent=2) if arguments.json else "\n\n".join(blocks))
+    print(json.dumps(records, indent=2, allow_nan=False) if arguments.json else "\n\n".join(blocks))
     return 0
 
 
@@ -64,27 +70,51 @@ def _parser() -> Parser:
     return parser
 
 
-def _solutions(bounds: Sequence[Bound], name: str, target: str, setting: Setting) -> list[Solution]:
+def _check_target(name: str, target: str) -> None:
+    if to_exact(name, target) < 0:
+        raise InputError(f"{name} {target} is negative, which no bound can reach; give a number from 0 on")
+
+
+def _answers(bounds: Sequence[Bound], name: str, target: str, setting: Setting) -> list[Answer]:
     others = Setting(**{key: value for key, value in setting.items() if key != name})
-    probe = others.replace(**{name: 1})
-    # more demonstrations must help and more queries must cost, or there is nothing to plan
-    wanted = {"n": "falls", "T": "rises"}[name]
-    moving = [bound for bound in bounds if name in bound.monotone and bound.monotone[name].direction == wanted]
-    usable = [bound for bound in moving if not missing_from(bound, probe)]
-    if not usable:
-        missing = dict.fromkeys(flag(other) for bound in moving for other in missing_from(bound, probe))
+    answers = [(bound, _answer(bound, name, target, others)) for bound in bounds]
+    missing = dict.fromkeys(flag(other) for bound in bounds for other in _missing(bound, name, others))
+    if missing and all(isinstance(answer, str) for _, answer in answers):
         raise InputError(f"solving for {name} needs more of the problem; add {' '.join(missing)}")
-    return [solve_for(name, bound, target, setting=others) for bound in usable]
+    return answers
 
 
-def _certified(solutions: Sequence[Solution]) -> str:
+def _answer(bound: Bound, name: str, target: str, others: Setting) -> Solution | str:
+    # more demonstrations must help and more queries must cost, or there is nothing to plan
+    if not _plannable(bound, name):
+        return f"not known to be monotone in {name}"
+    missing = _missing(bound, name, others)
+    if missing:
+        return f"needs {' '.join(map(flag, missing))}"
+    try:
+        return solve_for(name, bound, target, setting=others)
+    except InputError as error:  # the statement's own conditions refuse these parameters, not those of the others
+        return str(error)
+
+
+def _plannable(bound: Bound, name: str) -> bool:
+    return name in bound.monotone and bound.monotone[name].direction == {"n": "falls", "T": "rises"}[name]
+
+
+def _missing(bound: Bound, name: str, others: Setting) -> tuple[str, ...]:
+    return missing_from(bound, others.replace(**{name: 1})) if _plannable(bound, name) else ()
+
+
+def _certified(answers: Sequence[Answer], name: str) -> str:
     rows = []
-    for solution in solutions:
-        value = "none" if solution.value is None else show(solution.value)
-        meets = solution.reason if solution.meets is None else f"<= {solution.meets.upper!r}"
-        fails = f">= {solution.fails.lower!r}" if solution.fails is not None and solution.meets is not None else "-"
-        rows.append((solution.bound.name, solution.bound.status, value, meets, fails))
-    return text_table(("bound", "status", solutions[0].name, "certified there", "certified one short"), rows)
+    for bound, answer in answers:
+        if isinstance(answer, str):
+            rows.append((bound.name, bound.status, "-", answer, "-"))
+            continue
+        meets = answer.reason if answer.meets is None else f"<= {answer.meets.upper!r}"
+        fails = f">= {answer.fails.lower!r}" if answer.fails is not None and answer.meets is not None else "-"
+        rows.append((bound.name, bound.status, _short(answer), meets, fails))
+    return text_table(("bound", "status", name, "certified there", "certified one short"), rows)
 
 
 def _regret(target: str, setting: Setting, path: Path) -> tuple[str, list[dict[str, Any]]]:
@@ -92,30 +122,39 @@ def _regret(target: str, setting: Setting, path: Path) -> tuple[str, list[dict[s
     blocks, records = [], []
     for name, other in (("n", "T"), ("T", "n")):
         if other in setting:
-            solutions = _solutions(REGRET, name, target, setting)
-            records += [_record(solution) for solution in solutions]
+            answers = _answers(REGRET, name, target, setting)
+            records += [_record(answer, name) for answer in answers]
             kind = "demonstrations" if name == "n" else "preference queries"
             heading = f"{kind} {name} for a regret of at most {target} at {other} = {show(setting[other])}"
-            blocks.append(f"{heading}\n{_certified(solutions)}")
-    curves = {T: _solutions(REGRET, "n", target, setting.replace(T=T)) for T in _QUERIES}
-    records += [_record(solution) for solutions in curves.values() for solution in solutions]
-    bounds = [solution.bound for solution in curves[_QUERIES[0]]]
-    rows = [(str(T), *map(_short, curves[T])) for T in _QUERIES[::_TABLE_STEP]]
-    table = text_table(("T", *(f"{bound.name} ({bound.status})" for bound in bounds)), rows)
-    drawn = _draw_tradeoff(path, bounds, curves, target)
-    blocks.append(f"trade-off: demonstrations n for a regret of at most {target}\n{table}\nfigure: {drawn}")
+            blocks.append(f"{heading}\n{_certified(answers, name)}")
+    curves = {T: _answers(REGRET, "n", target, setting.replace(T=T)) for T in _QUERIES}
+    records += [_record(answer, "n") for answers in curves.values() for answer in answers]
+    columns = [i for i in range(len(REGRET)) if any(not isinstance(answers[i][1], str) for answers in curves.values())]
+    rows = [(str(T), *(_short(curves[T][i][1]) for i in columns)) for T in _QUERIES[::_TABLE_STEP]]
+    table = text_table(("T", *(f"{REGRET[i].name} ({REGRET[i].status})" for i in columns)), rows)
+    left_out = [f"left out: {b.name}: {a}\n" for i, (b, a) in enumerate(curves[_QUERIES[0]]) if i not in columns]
+    drawn = _draw_tradeoff(path, curves, target)
+    blocks.append(
+        f"trade-off: demonstrations n for a regret of at most {target}\n{table}\n{''.join(left_out)}figure: {drawn}"
+    )
     return "\n\n".join(blocks), records
 
 
-def _short(solution: Solution) -> str:
-    return "none" if solution.value is None else show(solution.value)
+def _short(answer: Solution | str) -> str:
+    if isinstance(answer, str):
+        return "-"
+    if answer.value is None:
+        return "none" if answer.status == "never" else "undecided"
+    if answer.status == "undecided":
+        return f"{'<=' if answer.name == 'n' else '>='} {show(answer.value)}"
+    return show(answer.value)
 
 
-def _draw_tradeoff(path: Path, bounds: Sequence[Bound], curves: dict[int, list[Solution]], target: str) -> str:
+def _draw_tradeoff(path: Path, curves: dict[int, list[Answer]], target: str) -> str:
     lines = []
-    for position, bound in enumerate(bounds):
-        answers = [(T, solutions[position].value) for T, solutions in curves.items()]
-        found = [(float(T), float(value)) for T, value in answers if value is not None]
+    for position, bound in enumerate(REGRET):
+        column = [(T, answers[position][1]) for T, answers in curves.items()]
+        found = [(float(T), float(a.value)) for T, a in column if isinstance(a, Solution) and a.value is not None]
         if found:
             x, y = np.array(found).T
             lines.append(Curve(f"{bound.name} ({bound.status})", bound.status, x, y))
@@ -133,11 +172,19 @@ def _draw_tradeoff(path: Path, bounds: Sequence[Bound], curves: dict[int, list[S
     return str(path)
 
 
-def _record(solution: Solution) -> dict[str, Any]:
-    return {
-        "bound": solution.bound.name,
-        "status": solution.bound.status,
-        "parameter": solution.name,
+def _record(answer: Answer, name: str) -> dict[str, Any]:
+    bound, solution = answer
+    row: dict[str, Any] = {"bound": bound.name, "status": bound.status, "parameter": name}
+    if isinstance(solution, str):
+        return row | {
+            "answer": "left out",
+            "value": None,
+            "meets": None,
+            "fails": None,
+            "others": {},
+            "reason": solution,
+        }
+    return row | {
         "answer": solution.status,
         "value": None if solution.value is None else show(solution.value),
         "meets": None if solution.meets is None else [solution.meets.lower, solution.meets.upper],

@@ -51,4 +51,6 @@ def undefined_unless(holds: Callable[..., Any], reason: str, *, repaired: str) -
 
 
 def _shown(value: object) -> str:
+    if isinstance(value, np.ndarray) and value.size > 1:
+        return f"{value.size} values from {value.min():.6g} to {value.max():.6g}"
     return show(value) if not isinstance(value, np.ndarray | np.generic) else str(value)  # type: ignore[arg-type]

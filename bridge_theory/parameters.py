@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from decimal import Decimal
+from decimal import Context, Decimal
 from fractions import Fraction
 from numbers import Integral, Rational, Real
 from typing import TypeAlias
@@ -91,10 +90,12 @@ class Parameter:
         """The value as float64, a scalar or an array to broadcast; every entry inside the domain."""
         if isinstance(value, str):
             value = to_exact(self.name, value)
-        if isinstance(value, Fraction | Decimal):
-            value = float(value)
         try:
-            array = np.asarray(value, dtype=np.float64)
+            array = np.asarray(float(value) if isinstance(value, Fraction | Decimal) else value, dtype=np.float64)
+        except OverflowError:
+            raise InputError(
+                f"{self.name} is beyond float64, which holds numbers up to 1.8e308; ask for the enclosure"
+            ) from None
         except (TypeError, ValueError):
             raise InputError(f"{self.name} = {value!r} is not numeric; expected {self._expected()}") from None
         if not (np.all(np.isfinite(array)) and self.domain.contains(array)):
@@ -130,18 +131,24 @@ def to_exact(name: str, value: object) -> Exact:
         raise InputError(f"{name} = {value!r} is not a finite number; write an integer, 0.05, '0.05' or 1/20") from None
 
 
+_LONGEST = 10**40  # from here on the digits of a number say less than its size
+
+
 def show(value: Stored) -> str:
     """A stored value for people: integers and short decimals as such, other rationals as fractions, arrays by size.
 
-    >>> show(Fraction(1, 20)), show(Fraction(1, 3)), show((1, 2))
-    ('0.05', '1/3', '2 entries')
+    >>> show(Fraction(1, 20)), show(Fraction(1, 3)), show((1, 2)), show(10**400)
+    ('0.05', '1/3', '2 entries', '1e+400')
     """
     if isinstance(value, tuple):
         return f"{len(value)} entries"
+    if abs(value) >= _LONGEST:
+        decimal = f"{Context(prec=6).create_decimal(round(value)).normalize():g}"
+        return decimal if Fraction(decimal) == value else f"about {decimal}"
     if isinstance(value, int):
         return str(value)
-    decimal = f"{float(value):.6g}" if math.isfinite(float(value)) else ""
-    return decimal if decimal and Fraction(decimal) == value else _short_fraction(value)
+    decimal = f"{float(value):.6g}"
+    return decimal if Fraction(decimal) == value else _short_fraction(value)
 
 
 def _short_fraction(value: Fraction) -> str:

@@ -29,6 +29,7 @@ _TOPICS = ("setting", "offline", "hellinger", "online", "regret", "experiments")
 def main(argv: list[str]) -> int:
     """Run ``bridge-rl check``. Returns 1 if anything that should hold does not, else 0."""
     options = _parser().parse_args(argv)
+    _check_numbers(options)
     _require_engines()
     if options.search:
         from proofs_checks.attack import attack
@@ -92,10 +93,17 @@ def _require_engines() -> None:
         raise InputError(f"check needs {', '.join(missing)}; install them with: pip install 'bridge-rl[checks]'")
 
 
+def _check_numbers(options: argparse.Namespace) -> None:
+    if not options.budget > 0:
+        raise InputError(f"--budget {options.budget:g} is no time to search; give a positive number of seconds")
+    if options.seed < 0:
+        raise InputError(f"--seed {options.seed} is negative; give a whole number from 0 on")
+    if options.jobs < 1 and options.jobs != -1:
+        raise InputError(f"--jobs {options.jobs} is no number of processes; give 1 or more, or -1 for all cores")
+
+
 def _chosen(options: argparse.Namespace) -> list[Claim]:
     by_label = {claim.key for text in options.only for claim in matching(text)} if options.only else None
-    if options.budget <= 0:
-        raise InputError(f"--budget {options.budget:g} is no time to search; give a positive number of seconds")
     return [
         claim
         for claim in claims()

@@ -116,7 +116,9 @@ def test_the_page_is_written_whole(tmp_path: Path, capsys: pytest.CaptureFixture
         (["--only", "nowhere"], "no claim's label contains 'nowhere'"),
         (["--status", "wrong"], "invalid choice"),
         (["--search", "fig:starMDP"], "has no search"),
-        (["--budget", "-1", "--only", "fig:starMDP"], "is no time to search"),
+        (["--budget", "-1", "--search", "fig:starMDP"], "is no time to search"),
+        (["--jobs", "0", "--list"], "--jobs 0 is no number of processes"),
+        (["--seed", "-1", "--list"], "--seed -1 is negative"),
     ],
 )
 def test_mistakes_are_explained(arguments: list[str], message: str) -> None:

@@ -23,6 +23,7 @@ from bridge_theory.setting import Setting
 
 _POINTS = 240
 _ROWS = 9
+_LARGEST = 1e300  # estimates beyond it overflow float64
 
 
 @dataclass(frozen=True)
@@ -55,6 +56,8 @@ def parse_sweep(text: str) -> Sweep:
     log = match[4] == ":log"
     if not low < high or (log and low <= 0):
         raise InputError(f"--sweep {text!r} needs low < high{' and low > 0' if log else ''}")
+    if high > _LARGEST:
+        raise InputError(f"--sweep {text!r} ends beyond {_LARGEST:g}; a sweep draws float64 estimates, so end it below")
     space = np.geomspace if log else np.linspace
     inner = space(float(low), float(high), _POINTS)[1:-1].tolist()
     if row.domain.integer:

@@ -2,9 +2,18 @@
 
 from __future__ import annotations
 
-from bridge_theory.core import Arithmetic, Value, bound, rises
+import numpy as np
+
+from bridge_theory.core import Arithmetic, Value, bound, requires, rises
 
 _WORDS = "the squared Hellinger distance between the estimated and the true trajectory law is at most {value}"
+_SAME_CELLS = requires(
+    lambda occupancy, row_errors: np.size(occupancy) == np.size(row_errors),
+    "one row error for each cell of the occupancy",
+)
+_BOTH_OCCUPANCIES = requires(
+    lambda occupancy, occupancy_hat: np.size(occupancy) == np.size(occupancy_hat), "both occupancies of the same cells"
+)
 _COMMON = "both trajectory laws share policy and first-state distribution"
 
 
@@ -41,6 +50,7 @@ def trajectory_error_stated(m: Arithmetic, *, H: Value, C: Value, R2: Value) -> 
     trivial=1,
     words=_WORDS,
     assumptions=(_COMMON,),
+    conditions=(_SAME_CELLS, _BOTH_OCCUPANCIES),
 )
 def trajectory_error_symmetrised(m: Arithmetic, *, occupancy: Value, occupancy_hat: Value, row_errors: Value) -> Value:
     r"""Statement: :math:`H^2(\hat P^\pi,P_*^\pi)\le\frac12\sum_{t,s,a}(\hat d_t+d_t)(s,a)\,h(s,a)`.
@@ -65,6 +75,7 @@ def trajectory_error_symmetrised(m: Arithmetic, *, occupancy: Value, occupancy_h
     trivial=1,
     words=_WORDS,
     assumptions=(_COMMON,),
+    conditions=(_SAME_CELLS,),
 )
 def trajectory_error_one_sided(m: Arithmetic, *, occupancy: Value, row_errors: Value) -> Value:
     r"""Statement: :math:`H^2(\hat P^\pi,P_*^\pi)\le 3\sum_{t,s,a}d_t(s,a)\,h(s,a)`, the occupancy under either of the

@@ -75,7 +75,7 @@ def test_latex(capsys: pytest.CaptureFixture[str]) -> None:
     bounds.main([*_OFFLINE, "--only", "offline_radius", "--only", "transition_error_rate", "--latex"])
     out = capsys.readouterr().out
     assert out.startswith("\\begin{align*}\n  % offline_radius\n")
-    assert r"\approx 1261 &\quad\text{stated}" in out
+    assert r"\leq 1261.01 &\quad\text{stated}" in out
     with pytest.raises(InputError, match="no bound is determined"):
         bounds.main(["--only", "offline_radius", "--latex"])
 
@@ -145,6 +145,7 @@ def test_sweep_of_chosen_bounds(tmp_path: Path, capsys: pytest.CaptureFixture[st
         ("counts=1:2", "cannot vary the array counts"),
         ("m=1:2", "'m' is not a parameter"),
         ("n=0.5:2", "n = 0.5 is outside its domain"),
+        ("n=1:1e400:log", "ends beyond 1e\\+300"),
     ],
 )
 def test_sweep_ranges_that_make_no_sense(text: str, message: str) -> None:
@@ -214,6 +215,34 @@ def test_plan_for_a_regret_no_bound_reaches(tmp_path: Path, capsys: pytest.Captu
             ["--target-radius", "1", "--S", "5"],
             "solving for n needs more of the problem; add --A",
         ),
+        (plan.main, ["--target-radius", "-1"], "--target-radius -1 is negative"),
+        (plan.main, ["--target-regret=-0.5"], "--target-regret -0.5 is negative"),
+        (
+            bounds.main,
+            [
+                "--B",
+                "1",
+                "--W",
+                "1",
+                "--d",
+                "1",
+                "--S",
+                "1",
+                "--A",
+                "2",
+                "--n",
+                "9",
+                "--T",
+                "9",
+                "--delta",
+                "0.05",
+                "--sweep",
+                "lam=0.01:10",
+                "--only",
+                "regret_known_stated",
+            ],
+            "lam = 240 values from 0.01 to 10",
+        ),
         (bounds.main, ["--delta", "1.5"], "delta = 1.5 is outside its domain"),
         (bounds.main, ["--S", "5x"], "S = '5x' is not a finite number"),
         (bounds.main, ["--states", "5"], "unrecognized arguments: --states 5; try 'bridge-rl bounds --help'"),
@@ -232,3 +261,26 @@ def test_help(main: object, capsys: pytest.CaptureFixture[str]) -> None:
         main(["--help"])
     assert caught.value.code == 0
     assert "--gamma-min" in capsys.readouterr().out
+
+
+def test_numbers_beyond_float64(capsys: pytest.CaptureFixture[str]) -> None:
+    flags = ["--S", "5", "--A", "4", "--H", "8", "--n", "1e400", "--delta", "0.05"]
+    assert bounds.main([*flags, "--only", "transition_error_repaired", "--only", "transition_error_rate"]) == 0
+    out = capsys.readouterr().out
+    assert "4.94066e-324" in out  # positive and below every float64
+    assert "n is beyond float64" in out
+    assert bounds.main(["--B", "1e200", "--W", "1e200", "--only", "kappa", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)[0]["upper"] is None
+    assert bounds.main(["--B", "1e200", "--W", "1e200", "--only", "kappa"]) == 0
+    assert "nan" not in capsys.readouterr().out
+
+
+def test_plan_answers_where_one_theorem_does_not_apply(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    problem = ["--S", "5", "--A", "4", "--H", "8", "--delta", "0.4", "--T", "100", *_ONLINE]
+    plan.main([*problem, "--target-regret", "50", "--figure", str(tmp_path / "p.png")])
+    rows = [line.split() for line in capsys.readouterr().out.splitlines()]
+    stated = next(row for row in rows if row[:1] == ["regret_known_stated"])
+    assert stated[2:5] == ["-", "regret_known_stated", "applies"]
+    known = next(row for row in rows if row[:1] == ["regret_known_version_space"])
+    assert int(known[2]) > 1
+    assert ["left", "out:", "regret_unknown_repaired:", "not", "known"] in [row[:5] for row in rows]

@@ -274,3 +274,57 @@ def test_terms_compose_as_plain_values() -> None:
         return inner(m, S=S) + 1
 
     assert outer.enclosure(S=3).upper == 10
+
+
+def test_words_round_bounds_up_and_probabilities_down() -> None:
+    known = {"S": 5, "A": 4, "H": 8, "delta": "0.05", "gamma_min": "0.1"}
+    just_above = offline_radius.value(n=150157, **known)
+    assert 1 < just_above.enclosure.lower < 1.00001
+    assert "Hellinger distance 1.00001 of" in just_above.words
+    assert "probability at least 0.999999, " in offline_radius.value(n=9, **known | {"delta": "1e-9"}).words
+    # exact rationals do not grow in the last digit
+    failure = bridge_theory.containment_failure_known.value(delta_off="0.03", delta_w="0.02")
+    assert failure.enclosure.exact == Fraction(1, 20)
+    assert "probability at most 0.05," in failure.words
+    assert regret_trivial.value(B="0.1", W="0.3", T=1000).enclosure.at_most == "60"
+
+
+def test_an_undecided_value_has_no_shares() -> None:
+    @bound(**_mutant(trivial=1))
+    def huge(m: Arithmetic, *, R1: Value) -> Value:
+        return total(first=R1, second=m.exp(R1))
+
+    value = huge.value(R1="1e300")
+    assert (value.shares, value.dominant, value.vacuous) == ({}, None, None)
+    assert value.words.startswith("At most inf")
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["gamma_known", "norm_relation", "norm_relation_sharp", "gamma_unknown", "gamma_unknown_repaired",
+     "squared_true_bonus_sum_stated"],
+)  # fmt: skip
+def test_a_round_is_one_of_the_rounds(name: str) -> None:
+    point = {
+        "B": 1, "W": 1, "lam": 1, "d": 1, "T": 9, "delta": "0.05", "delta_w": "0.05", "delta_V": "0.05",
+        "delta_P": "0.05", "bonus_square_sum": 1, "S": 5, "A": 4, "H": 8, "eta": 1, "epsilon": "0.1", "n": 1000,
+        "gamma_min": "0.1", "S_reach": 5, "delta_martingale": "0.05",
+    }  # fmt: skip
+    formula = getattr(bridge_theory, name)
+    known = {key: value for key, value in point.items() if key in formula.parameters}
+    assert formula.enclosure(t=9, **known).lower > 0
+    with pytest.raises(InputError, match="t = 10, T = 9: it requires t <= T"):
+        formula.enclosure(t=10, **known)
+
+
+def test_tables_of_different_lengths_are_refused() -> None:
+    with pytest.raises(InputError, match="it requires one row error for each cell of the occupancy"):
+        bridge_theory.trajectory_error_one_sided.enclosure(occupancy=[1, 1], row_errors=[0])
+    with pytest.raises(InputError, match="it requires both occupancies of the same cells"):
+        bridge_theory.trajectory_error_symmetrised.estimate(occupancy=[1], occupancy_hat=[1, 1], row_errors=[0])
+
+
+def test_estimates_beyond_float64_are_refused() -> None:
+    for huge in (10**400, Fraction(10**400, 3)):
+        with pytest.raises(InputError, match="is beyond float64"):
+            bridge_theory.kappa.estimate(B=huge, W=1)

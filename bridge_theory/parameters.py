@@ -142,7 +142,7 @@ def show(value: Stored) -> str:
     """
     if isinstance(value, tuple):
         return f"{len(value)} entries"
-    if abs(value) >= _LONGEST:
+    if not -_LONGEST < value < _LONGEST:
         decimal = f"{Context(prec=6).create_decimal(round(value)).normalize():g}"
         return decimal if Fraction(decimal) == value else f"about {decimal}"
     if isinstance(value, int):

@@ -14,7 +14,8 @@ STORED = sorted((Path(__file__).parent.parent / "experiments" / "data").glob("*.
 
 
 def test_there_are_results_of_each_kind() -> None:
-    assert {path.stem for path in STORED} >= {"fig2-reacher"}
+    varied = {f"ablation-reacher-{name}" for name in ("radius", "demonstrations", "embeddings")}
+    assert {path.stem for path in STORED} >= {"fig2-reacher", "fig2-ant-fewer-rollouts", *varied}
 
 
 @pytest.mark.parametrize("path", STORED, ids=lambda path: path.stem)

@@ -52,6 +52,8 @@ def total(data: xr.Dataset, step: str, algorithm: str, reading: str) -> Mean:
 def figures(data: xr.Dataset) -> dict[str, Any]:
     """Final regret of each algorithm over the steps, three readings, beside the published interval."""
     from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
 
     picture, labels = Figure(figsize=(6.8, 3.4), layout="constrained"), [str(step) for step in data.step.values]
     curves, heights = _published(data), np.arange(len(labels))[::-1]
@@ -78,9 +80,11 @@ def figures(data: xr.Dataset) -> dict[str, Any]:
         axes.set_yticklabels([fill(label, 22) for label in labels], fontsize=8)
         axes.set_title(plots.STYLES[name]["label"], fontsize=9)
         axes.set_xlim(left=min(0.0, axes.get_xlim()[0]))
-        axes.grid(alpha=0.3)
-    handles, names = axes.get_legend_handles_labels()
-    picture.legend(handles, names, loc="outside lower center", ncols=2, fontsize=7, frameon=False)
+        plots.finish(axes)
+    marks = [Line2D([], [], color="0.3", marker=MARKS[key], markersize=4, label=READINGS[key]) for key in READINGS]
+    marks[-1].set_markerfacecolor("none")
+    bands = [handle for handle in axes.get_legend_handles_labels()[0] if isinstance(handle, Patch)]
+    picture.legend(handles=[*bands, *marks], loc="outside lower center", ncols=2, fontsize=7, frameon=False)
     return {"": picture}
 
 

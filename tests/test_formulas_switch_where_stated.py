@@ -99,7 +99,7 @@ def test_probabilities_are_capped_at_one() -> None:
 def test_degenerate_points_have_their_limits() -> None:
     assert at("potential_factor", L=0, v=2) == 1
     # the floor 1 inside log log: 4 eta^2 H t is 0.36 and 0.72 below it, 1.44 above
-    early, later = ({"eta": 0.3, "H": 1, "T": 2, "epsilon": 0.5, "t": t} for t in (2, 4))
+    early, later = ({"eta": 0.3, "H": 1, "T": 4, "epsilon": 0.5, "t": t} for t in (2, 4))
     assert at("squared_true_bonus_sum_stated", **early) < at("squared_true_bonus_sum_stated", **later)
     # one uncovered pair: the logarithm divides by one
     few = {"n": 10**6, "uncovered": 1, "log_covering": 2}

@@ -79,7 +79,7 @@ def figures(data: xr.Dataset) -> dict[str, Any]:
     curves, pictures = published_curves(_environment(data)), {}
     for name in SEARCHES:
         picture = plots.figure(data.sel(search=name))
-        picture.suptitle(f"{_environment(data).capitalize()}: {TITLES[name]}", fontsize=10)
+        picture.suptitle(f"{_heading(data)}: {TITLES[name]}", fontsize=10)
         pictures[name] = picture
     pictures["against-best"] = _against_best(data)
     if curves is not None and curves["rounds"] == data.sizes["round"]:
@@ -98,7 +98,7 @@ def _beside_published(data: xr.Dataset, curves: dict[str, Any]) -> Any:
     regret, sizes = picture.axes
     draw_beside(regret, sizes, curves)
     regret.set_title("on the rollouts that chose it, clipped", fontsize=9)
-    picture.suptitle(f"{_environment(data).capitalize()}: beside the published curves", fontsize=10)
+    picture.suptitle(f"{_heading(data)}: beside the published curves", fontsize=10)
     return picture
 
 
@@ -111,7 +111,7 @@ def _against_best(data: xr.Dataset) -> Any:
         gap = own.suboptimality - own.best_of_all
         plots.draw_cumulative(axes, own.assign(against_best=gap), "against_best", "looked best")
         axes.set_title(TITLES[name], fontsize=9)
-    picture.suptitle(f"{_environment(data).capitalize()}: regret against the candidate that looked best", fontsize=10)
+    picture.suptitle(f"{_heading(data)}: regret against the candidate that looked best", fontsize=10)
     return picture
 
 
@@ -151,6 +151,12 @@ def words(data: xr.Dataset) -> str:
 def _mean(values: xr.DataArray) -> str:
     mean, half = (float(v) for v in mean_over_seeds(np.asarray(values)))
     return f"{mean:.2f} ± {half:.2f}"
+
+
+def _heading(data: xr.Dataset) -> str:
+    """Environment and rollouts, which decide how much of a figure is luck."""
+    config = configured(json.loads(data.attrs["settings"]))
+    return f"{config.environment.capitalize()}, {config.rollouts} rollouts a policy"
 
 
 def _environment(data: xr.Dataset) -> str:

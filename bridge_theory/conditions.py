@@ -24,7 +24,11 @@ class Condition:
     def check(self, name: str, given: Mapping[str, object]) -> None:
         """Raise the error of this condition if any of the given points violates it."""
         chosen = {key: given[key] for key in inspect.signature(self.holds).parameters}
-        if np.all(self.holds(**chosen)):
+        try:
+            holds = bool(np.all(self.holds(**chosen)))
+        except OverflowError:  # some conditions take logarithms in float64
+            raise InputError(f"{name} requires {self.text}, which is not decided beyond float64") from None
+        if holds:
             return
         point = ", ".join(f"{key} = {_shown(value)}" for key, value in chosen.items())
         if self.repaired is None:

@@ -52,7 +52,8 @@ class Enclosure:
     @property
     def complement_at_least(self) -> str:
         """Six digits that ``1 - value`` does not fall below, nor 0: the chance that an event of this failure holds."""
-        return rounded_down(1 - min(Fraction(1), Fraction(self.upper) if self.exact is None else self.exact))
+        value = min(1.0, self.upper) if self.exact is None else min(Fraction(1), self.exact)
+        return rounded_down(1 - Fraction(value))
 
     def __contains__(self, number: float) -> bool:
         return self.lower <= number <= self.upper

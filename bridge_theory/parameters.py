@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from decimal import Context, Decimal
@@ -91,10 +92,10 @@ class Parameter:
         if isinstance(value, str):
             value = to_exact(self.name, value)
         try:
-            array = np.asarray(float(value) if isinstance(value, Fraction | Decimal) else value, dtype=np.float64)
+            array = np.asarray(_nearest_float(value) if isinstance(value, Fraction | Decimal) else value, np.float64)
         except OverflowError:
             raise InputError(
-                f"{self.name} is beyond float64, which holds numbers up to 1.8e308; ask for the enclosure"
+                f"{self.name} is beyond float64, which holds sizes from 5e-324 to 1.8e308; ask for the enclosure"
             ) from None
         except (TypeError, ValueError):
             raise InputError(f"{self.name} = {value!r} is not numeric; expected {self._expected()}") from None
@@ -112,12 +113,27 @@ class Parameter:
         return f"{self.domain.describe(self.name)} ({self.meaning})"
 
 
+def _nearest_float(value: Fraction | Decimal) -> float:
+    nearest = float(value)
+    if nearest == 0 != value:
+        raise OverflowError
+    return nearest
+
+
+_LARGEST_EXPONENT = 4000  # an exact number has as many digits, and "1e999999999" would fill the memory
+
+
 def to_exact(name: str, value: object) -> Exact:
     """An exact number from what a user wrote; a float is the binary number it is, a string the decimal it shows.
 
     >>> to_exact("delta", "0.05"), to_exact("n", 3.0)
     (Fraction(1, 20), 3)
     """
+    if isinstance(value, str | Decimal):
+        exponent = re.search(r"e([-+]?\d+)", str(value).lower())
+        if exponent is not None and not -_LARGEST_EXPONENT <= float(exponent[1]) <= _LARGEST_EXPONENT:
+            reach = f"powers of ten from -{_LARGEST_EXPONENT} to {_LARGEST_EXPONENT}"
+            raise InputError(f"{name} = {value} is out of reach; exact numbers have {reach}")
     try:
         if isinstance(value, bool | np.bool_):
             raise TypeError
@@ -137,13 +153,15 @@ _LONGEST = 10**40  # from here on the digits of a number say less than its size
 def show(value: Stored) -> str:
     """A stored value for people: integers and short decimals as such, other rationals as fractions, arrays by size.
 
-    >>> show(Fraction(1, 20)), show(Fraction(1, 3)), show((1, 2)), show(10**400)
-    ('0.05', '1/3', '2 entries', '1e+400')
+    >>> show(Fraction(1, 20)), show(Fraction(1, 3)), show((1, 2)), show(10**400), show(Fraction(2, 3 * 10**400))
+    ('0.05', '1/3', '2 entries', '1e+400', 'about 6.66667e-401')
     """
     if isinstance(value, tuple):
         return f"{len(value)} entries"
-    if not -_LONGEST < value < _LONGEST:
-        decimal = f"{Context(prec=6).create_decimal(round(value)).normalize():g}"
+    if not -_LONGEST < value < _LONGEST or float(value) == 0 != value:
+        context = Context(prec=6)
+        digits = context.divide(Decimal(value.numerator), Decimal(value.denominator))
+        decimal = f"{context.normalize(digits):g}"
         return decimal if Fraction(decimal) == value else f"about {decimal}"
     if isinstance(value, int):
         return str(value)

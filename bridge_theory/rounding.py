@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
+import sys
+from decimal import MAX_EMAX, MIN_EMIN, ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
 from math import isfinite
 
@@ -12,8 +13,8 @@ _DIGITS = 6
 def rounded_up(value: float | Fraction) -> str:
     """The smallest decimal of six significant digits that is at least ``value``: for upper bounds.
 
-    >>> rounded_up(1.0000029999), rounded_up(Fraction(1, 20)), rounded_up(1e-9 / 3)
-    ('1.00001', '0.05', '3.33334e-10')
+    >>> rounded_up(1.0000029999), rounded_up(Fraction(1, 20)), rounded_up(1e-9 / 3), rounded_up(Fraction(1, 10**400))
+    ('1.00001', '0.05', '3.33334e-10', '1e-400')
     """
     return _rounded(value, ROUND_CEILING)
 
@@ -28,8 +29,10 @@ def rounded_down(value: float | Fraction) -> str:
 
 
 def _rounded(value: float | Fraction, rounding: str) -> str:
-    if not isfinite(value):
+    if isinstance(value, float) and not isfinite(value):
         return str(value)
-    numerator, denominator = map(Decimal, value.as_integer_ratio())
-    quotient = Context(prec=_DIGITS, rounding=rounding).divide(numerator, denominator)
-    return f"{float(quotient):.{_DIGITS}g}"  # six digits survive float64, whose format is the familiar one
+    context = Context(prec=_DIGITS, rounding=rounding, Emin=MIN_EMIN, Emax=MAX_EMAX)
+    quotient = context.divide(*map(Decimal, value.as_integer_ratio()))
+    if quotient and not sys.float_info.min <= abs(quotient) <= sys.float_info.max:
+        return f"{context.normalize(quotient):g}"
+    return f"{float(quotient):.{_DIGITS}g}"  # six digits survive a normal float64, whose format is the familiar one

@@ -13,7 +13,7 @@ from bridge_theory.arithmetic.flint_balls import rational
 from bridge_theory.arithmetic.protocol import Value
 from bridge_theory.bound import Bound, ball_arguments, call_with
 from bridge_theory.enclosure import Enclosure, enclose
-from bridge_theory.parameters import Stored, parameter, show
+from bridge_theory.parameters import Exact, Stored, parameter, show
 from bridge_theory.terms import Terms
 
 
@@ -35,7 +35,7 @@ class BoundValue:
     @cached_property
     def enclosure(self) -> Enclosure:
         """Certified lower and upper float64 ends of the value."""
-        return enclose(lambda: self.bound(BALLS, **ball_arguments(self.parameters)))
+        return enclose(self._computed)
 
     @cached_property
     def terms(self) -> dict[str, Enclosure]:
@@ -65,18 +65,20 @@ class BoundValue:
     def trivial(self) -> Enclosure | None:
         """The value at which the statement becomes empty, or None where there is no such value."""
         trivial = self.bound.trivial
-        if trivial is None:
-            return None
-        if callable(trivial):
-            return enclose(lambda: call_with(trivial, BALLS, ball_arguments(self.parameters)))
-        return enclose(lambda: rational(trivial))
+        return None if trivial is None else enclose(lambda: self._computed_trivial(trivial))
 
-    @property
+    @cached_property
     def vacuous(self) -> bool | None:
-        """True or False when certified: the bound is no better than the trivial value. None when there is none."""
-        if self.trivial is None or not (self.enclosure.narrow and self.trivial.narrow):
+        """Whether the bound is no better than the trivial value, certified also where both are beyond float64.
+
+        None where there is no trivial value, or where either is not known.
+        """
+        trivial = self.bound.trivial
+        if trivial is None or self.trivial is None or not (self.enclosure.narrow and self.trivial.narrow):
             return None
-        return self.enclosure.upper >= self.trivial.lower
+        excess = enclose(lambda: self._computed() - self._computed_trivial(trivial))
+        # an excess that stays wide around 0 is none to the highest precision
+        return excess.lower >= 0 or not (excess.narrow or excess.upper < 0)
 
     @cached_property
     def failure(self) -> Enclosure | None:
@@ -112,6 +114,12 @@ class BoundValue:
     def _repr_latex_(self) -> str:
         shown = ", ".join(f"{parameter(name).latex} = {show(value)}" for name, value in self.parameters.items())
         return rf"${self.bound.symbol} \in [{self.enclosure.lower!r}, {self.enclosure.upper!r}] \quad ({shown})$"
+
+    def _computed(self) -> Value:
+        return self.bound(BALLS, **ball_arguments(self.parameters))
+
+    def _computed_trivial(self, trivial: Exact | Callable[..., Value]) -> Value:
+        return call_with(trivial, BALLS, ball_arguments(self.parameters)) if callable(trivial) else rational(trivial)
 
     def _spent(self) -> Value:
         arguments = ball_arguments(self.parameters)

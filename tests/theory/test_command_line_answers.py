@@ -245,6 +245,8 @@ def test_plan_for_a_regret_no_bound_reaches(tmp_path: Path, capsys: pytest.Captu
         ),
         (bounds.main, ["--delta", "1.5"], "delta = 1.5 is outside its domain"),
         (bounds.main, ["--S", "5x"], "S = '5x' is not a finite number"),
+        (bounds.main, ["--B", "1e999999999"], "B = 1e999999999 is out of reach; exact numbers have powers of ten from"),
+        (bounds.main, ["--B=-1e-999999999"], "B = -1e-999999999 is out of reach"),
         (bounds.main, ["--states", "5"], "unrecognized arguments: --states 5; try 'bridge-rl bounds --help'"),
         (bounds.main, ["--only", "thm:main_knwn"], "closest: thm:main_known"),
     ],
@@ -273,6 +275,11 @@ def test_numbers_beyond_float64(capsys: pytest.CaptureFixture[str]) -> None:
     assert json.loads(capsys.readouterr().out)[0]["upper"] is None
     assert bounds.main(["--B", "1e200", "--W", "1e200", "--only", "kappa"]) == 0
     assert "nan" not in capsys.readouterr().out
+    flags = ["--W", "1", "--lam", "1", "--d", "1", "--S", "1", "--A", "2", "--n", "9", "--T", "9", "--delta", "0.05"]
+    assert bounds.main(["--B", "1e400", *flags, "--only", "regret_known_stated"]) == 0
+    assert "requires lam >= B / kappa, which is not decided beyond float64" in capsys.readouterr().out
+    assert bounds.main(["--B", "1e-400", *flags, "--only", "regret_known_rate"]) == 0
+    assert "B is beyond float64" in capsys.readouterr().out
 
 
 def test_plan_answers_where_one_theorem_does_not_apply(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

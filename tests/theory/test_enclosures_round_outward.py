@@ -24,6 +24,7 @@ from bridge_theory.arithmetic.balls import BALLS
 from bridge_theory.arithmetic.flint_balls import ball, box, ends, working_precision
 from bridge_theory.arithmetic.special import log_binomial
 from bridge_theory.enclosure import LAST_BITS, Enclosure, enclose
+from bridge_theory.rounding import rounded_down, rounded_up
 
 _RATIONALS = st.fractions(min_value=-(10**30), max_value=10**30, max_denominator=10**30)
 
@@ -182,3 +183,17 @@ def test_ceilings_of_exact_rationals_are_exact() -> None:
         n=1000, t=100, T=100, gamma_min="0.1", S_reach=5, delta_martingale="0.05", **point
     ).narrow
     assert BALLS.ceil(ball(Fraction(7, 2))) == 4
+
+
+@given(st.fractions(min_value=Fraction(1, 10**9)), st.integers(-420, 420))
+def test_six_digits_lie_on_the_safe_side(size: Fraction, exponent: int) -> None:
+    value = size * Fraction(10) ** exponent
+    below, above = Fraction(rounded_down(value)), Fraction(rounded_up(value))
+    assert below <= value <= above
+    assert above - below <= value / 10**5 * Fraction(11, 10)
+
+
+def test_six_digits_of_numbers_that_float64_does_not_hold() -> None:
+    assert rounded_down(3 * 2.0**-1074) == "1.48219e-323"  # a float near this decimal lies above the value
+    assert (rounded_up(Fraction(1, 10**400)), rounded_down(Fraction(-1, 10**400))) == ("1e-400", "-1e-400")
+    assert rounded_down(Fraction(10**400 + 1)) == "1e+400"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from fractions import Fraction
 from typing import Any
 
@@ -328,3 +329,20 @@ def test_estimates_beyond_float64_are_refused() -> None:
     for huge in (10**400, Fraction(10**400, 3)):
         with pytest.raises(InputError, match="is beyond float64"):
             bridge_theory.kappa.estimate(B=huge, W=1)
+
+
+def test_exact_values_beyond_float64_keep_their_size_and_their_order() -> None:
+    assert regret_trivial.value(B="1e200", W="1e200", T=1).enclosure.at_most == "2e+400"
+    assert "at most 2e-400," in regret_trivial.value(B="1e-400", W=1, T=1).words
+    point = {"lam": 8, "d": 1, "K": 1, "delta_w": "0.025", "delta_F": "0.025", "B": "1e-100", "W": "1e250"}
+    below = bridge_theory.regret_known_repaired.value(**point, T=10**250, diameter="1e-100", Delta_n="1e-60")
+    assert below.enclosure.upper == below.trivial.upper == math.inf  # 2e340 and 2e400
+    assert below.vacuous is False
+    equal = bridge_theory.regret_known_repaired.value(**point, T=1, diameter="2e-100", Delta_n=1)
+    assert equal.vacuous is True
+
+
+def test_a_failure_beyond_float64_leaves_no_probability() -> None:
+    point = {"S": 5, "A": 4, "H": 8, "n": 1, "T": 10, "K": 1, "Delta_n": 0, "delta_P": "0.05", "delta_M": "0.05"}
+    value = bridge_theory.radius_sum_covered.value(S_reach=10**400, gamma_min="0.1", **point)
+    assert value.words.startswith("With probability at least 0, ")

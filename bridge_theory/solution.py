@@ -8,6 +8,7 @@ from typing import Literal
 
 from bridge_theory.bound import Bound
 from bridge_theory.enclosure import Enclosure
+from bridge_theory.monotone import Monotone
 from bridge_theory.parameters import Exact, Stored, parameter, show
 
 
@@ -15,18 +16,20 @@ from bridge_theory.parameters import Exact, Stored, parameter, show
 class Solution:
     """Where a bound meets a target.
 
-    ``status`` is ``found``, ``always`` (every searched value meets the target; ``value`` is the least favourable one),
-    ``never`` or ``undecided``: the highest precision does not tell whether ``beyond`` meets the target. An undecided
-    answer may still have a ``value`` that does, but perhaps not the last one. ``meets`` encloses the bound at
-    ``value``; ``fails`` encloses it at ``beyond``, the neighbour that exceeds the target (None where undecided).
-    ``excluded`` says whether all values beyond were ruled out by interval arithmetic alone; otherwise they are by the
-    declared monotonicity.
+    ``searched`` holds the first and the last value at which the bound applies, among those that are searched: nothing
+    is said of larger ones where the parameter has no end. ``status`` is ``found``, ``always`` (every searched value
+    meets the target; ``value`` is the least favourable one), ``never`` or ``undecided``: the highest precision does not
+    tell whether ``beyond`` meets the target. An undecided answer may still have a ``value`` that does, but perhaps not
+    the last one. ``meets`` encloses the bound at ``value``; ``fails`` encloses it at ``beyond``, the neighbour (or, of
+    ``never``, the most favourable value) that exceeds the target (None where undecided). ``excluded`` says whether all
+    searched values beyond were ruled out by interval arithmetic alone; otherwise they are by the declared monotonicity.
     """
 
     bound: Bound
     name: str
     target: Exact
     others: Mapping[str, Stored]
+    searched: tuple[Exact, Exact]
     status: Literal["found", "always", "never", "undecided"]
     value: Exact | None
     meets: Enclosure | None
@@ -40,18 +43,38 @@ class Solution:
         """The answer in one or two sentences."""
         goal = f"{self.bound.name} <= {show(self.target)}"
         if self.status == "never":
-            return f"No {self.name} achieves {goal}: {self.reason}."
+            return f"No {self._every} achieves {goal}: {self.reason}."
         if self.status == "always":
-            return f"{goal} holds everywhere: {self.reason}."
-        direction = self.bound.monotone[self.name]
-        side = "smallest" if direction.direction == "falls" else "largest"
+            return f"{goal} holds for every {self._every}: {self.reason}."
         if self.value is None:
             return f"No {self.name} is certified to achieve {goal}: {self.reason}."
+        side = "smallest" if self._falls else "largest"
         if self.status == "undecided":
             meets = f"{self.name} = {show(self.value)} achieves {goal}"
             return f"{meets} but is not certified to be the {side}: {self.reason}."
-        why = "interval arithmetic rules out all others" if self.excluded else f"by monotonicity: {direction.because}"
+        others = "all smaller ones" if self._falls else f"all larger ones up to {show(self.searched[1])}"
+        why = (
+            f"interval arithmetic rules out {others}"
+            if self.excluded
+            else f"by monotonicity: {self._direction.because}"
+        )
         return f"{self.name} = {show(self.value)} is the {side} with {goal}: {self.reason} ({why})."
+
+    @property
+    def _direction(self) -> Monotone:
+        return self.bound.monotone[self.name]
+
+    @property
+    def _falls(self) -> bool:
+        return self._direction.direction == "falls"
+
+    @property
+    def _every(self) -> str:
+        """All values that an answer at one end of the search speaks for, by the declared direction."""
+        first, last = map(show, self.searched)
+        upward = self._falls == (self.status == "always")
+        reach = f"{self.name} from {first} on" if upward else f"{self.name} up to {last}"
+        return f"{reach} at which it applies" if self.bound.conditions else reach
 
     def __str__(self) -> str:
         return self.words
@@ -66,5 +89,6 @@ class Solution:
         if self.status == "undecided" and self.value is None:
             return rf"${self.bound.symbol} \le {show(self.target)} \text{{ is undecided for every }} {symbol}$"
         if self.value is None:
-            return rf"${self.bound.symbol} > {show(self.target)} \text{{ for every }} {symbol}$"
+            ends = rf"\le {show(self.searched[1])}" if self._falls else rf"\ge {show(self.searched[0])}"
+            return rf"${self.bound.symbol} > {show(self.target)} \text{{ for every }} {symbol} {ends}$"
         return rf"${symbol} = {show(self.value)} \;\Rightarrow\; {self.bound.symbol} \le {show(self.target)}$"

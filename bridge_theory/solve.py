@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from typing import Any
 
 from bridge_theory.bound import Bound
 from bridge_theory.errors import InputError
@@ -46,10 +47,11 @@ class _Search:
     def __init__(self, bound: Bound, row: Parameter, goal: Exact, exact: dict[str, Stored], grid: Grid) -> None:
         self._bound, self._row, self._goal, self._exact, self._grid = bound, row, goal, exact, grid
         self._probes: dict[int, Probe] = {}
+        self._searched = self._window()
 
     def smallest(self) -> Solution:
         """The smallest index that meets the target; the meeting indices reach up to the end of the window."""
-        first, last = self._window()
+        first, last = self._searched
         if self._meets(first):
             return self._edge(first)
         step, failing = 1, first
@@ -61,7 +63,7 @@ class _Search:
 
     def largest(self) -> Solution:
         """The largest index that meets the target; the meeting indices start at the beginning of the window."""
-        first, last = self._window()
+        first, last = self._searched
         if not self._meets(first):
             return self._none(first)
         step, meeting = 1, first
@@ -107,11 +109,7 @@ class _Search:
         self._check_applies(meeting, failing)
         fails = self._probe(failing)
         found = fails.verdict == "fails"
-        return Solution(
-            bound=self._bound,
-            name=self._row.name,
-            target=self._goal,
-            others=self._exact,
+        return self._solution(
             status="found" if found else "undecided",
             value=self._grid.number(meeting),
             meets=self._probe(meeting).enclosure,
@@ -148,39 +146,35 @@ class _Search:
     def _edge(self, index: int) -> Solution:
         self._check_direction()
         value = self._grid.number(index)
-        return Solution(
-            bound=self._bound,
-            name=self._row.name,
-            target=self._goal,
-            others=self._exact,
+        return self._solution(
             status="always",
             value=value,
             meets=self._probe(index).enclosure,
             beyond=None,
             fails=None,
             excluded=False,
-            reason=f"every {self._row.name} that is searched meets the target, even {self._row.name} = {show(value)}",
+            reason=f"even {self._row.name} = {show(value)} meets the target",
         )
 
     def _none(self, index: int) -> Solution:
         self._check_direction()
         probe, best = self._probe(index), show(self._grid.number(index))
         fails = probe.verdict == "fails"
-        still = f"at the most favourable {self._row.name} = {best} the bound is still "
+        still = f"at the most favourable {self._row.name} = {best} the bound still exceeds the target: it is at least "
         reason = still + rounded_down(probe.enclosure.lower) if fails else self._reason(index, probe)
-        return Solution(
-            bound=self._bound,
-            name=self._row.name,
-            target=self._goal,
-            others=self._exact,
+        return self._solution(
             status="never" if fails else "undecided",
             value=None,
             meets=None,
-            beyond=None,
+            beyond=self._grid.number(index),
             fails=probe.enclosure if fails else None,
             excluded=False,
             reason=reason,
         )
+
+    def _solution(self, **answer: Any) -> Solution:
+        first, last = (self._grid.number(index) for index in self._searched)
+        return Solution(self._bound, self._row.name, self._goal, self._exact, (first, last), **answer)
 
     def _meets(self, index: int) -> bool:
         return self._probe(index).verdict == "meets"

@@ -145,7 +145,7 @@ def _short(answer: Solution | str) -> str:
         return "-"
     if answer.value is None:
         return "none" if answer.status == "never" else "undecided"
-    if answer.status == "undecided":
+    if answer.status == "undecided" or (answer.status == "always" and answer.name == "T"):
         return f"{'<=' if answer.name == 'n' else '>='} {show(answer.value)}"
     return show(answer.value)
 

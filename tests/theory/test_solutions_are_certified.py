@@ -18,6 +18,7 @@ from bridge_theory import (
     offline_radius_mass,
     offline_radius_repaired,
     regret_known_stated,
+    regret_trivial,
     transition_error_rate,
     transition_error_repaired,
     transition_error_stated,
@@ -90,7 +91,7 @@ def test_answers_beyond_a_trillion() -> None:
 def test_target_that_no_value_meets() -> None:
     solution = solve_for("n", offline_radius, 0, **_STATED)
     assert (solution.status, solution.value) == ("never", None)
-    assert "No n achieves offline_radius <= 0" in solution.words
+    assert "No n up to 1000000000000000000000000 achieves offline_radius <= 0" in solution.words
     assert "still" in solution.reason
 
 
@@ -112,7 +113,22 @@ def test_target_that_every_value_meets() -> None:
     assert (falling.status, falling.value) == ("always", 1)
     rising = solve_for("mass", offline_radius_mass, 1)
     assert (rising.status, rising.value) == ("always", 1)
-    assert "holds everywhere" in str(rising)
+    assert "holds for every mass up to 1: " in str(rising)
+
+
+def test_answers_at_the_end_of_the_search_claim_nothing_beyond_it() -> None:
+    never = solve_for("n", offline_radius_repaired, "1e-13", **_STATED, rows=5)
+    assert (never.status, never.beyond) == ("never", 10**24)
+    assert "No n up to 1000000000000000000000000 achieves" in never.words
+    assert r"\text{ for every } n \le 1000000000000000000000000$" in never._repr_latex_()
+    assert offline_radius_repaired.value(n=10**32, **_STATED, rows=5).enclosure.upper < 1e-13
+    always = solve_for("T", regret_trivial, 10**30, B=1, W=1)
+    assert always.words.startswith("regret_trivial <= 1000000000000000000000000000000 holds for every T up to 10000000")
+    assert regret_trivial.value(T=10**30, B=1, W=1).enclosure.lower > 10**30
+    assert "for every n from 1 on" in solve_for("n", offline_radius, 10**9, **_STATED).words
+    assert "No B from 5e-324 on achieves kappa <= 3" in solve_for("B", kappa, 3, W=1).words
+    excluded = solve_for("S", offline_radius, 10**4, A=4, H=8, delta="0.05", gamma_min="0.1", n=100)
+    assert "rules out all larger ones up to 1000000000000000000000000)" in excluded.words
 
 
 def test_search_stays_inside_the_conditions() -> None:
@@ -127,7 +143,7 @@ def test_search_stays_inside_the_conditions() -> None:
 
 
 def test_exclusion_needs_no_monotonicity_and_is_reported() -> None:
-    assert "interval arithmetic rules out all others" in solve_for("n", offline_radius, 1, **_STATED).words
+    assert "interval arithmetic rules out all smaller ones" in solve_for("n", offline_radius, 1, **_STATED).words
     by_declaration = solve_for("n", offline_radius_repaired, 1, S=5, H=8, delta="0.05", rows=20)
     assert not by_declaration.excluded
     assert "by monotonicity" in by_declaration.words

@@ -239,7 +239,7 @@ def test_notebook_representations() -> None:
     assert "n = 150158" in solution._repr_latex_()
     never = solve_for("n", offline_radius, 0, S=5, A=4, H=8, delta="0.05", gamma_min="0.1")
     assert "for every" in never._repr_latex_()
-    assert "No n achieves" in never._repr_html_()
+    assert "No n up to" in never._repr_html_()
 
 
 def test_catalog_finds_by_name_label_and_group() -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -16,13 +16,15 @@ from bridge_theory.cli.rows import missing_from
 from bridge_theory.cli.table import text_table
 from bridge_theory.cli.versions import RADIUS, REGRET
 from bridge_theory.errors import InputError
-from bridge_theory.parameters import show, to_exact
+from bridge_theory.parameters import Stored, show, to_exact
+from bridge_theory.regret.unknown_repaired import regret_unknown_version_space
 from bridge_theory.setting import Setting
 from bridge_theory.solution import Solution
 from bridge_theory.solve import solve_for
 
 _QUERIES = tuple(round(10 ** (exponent / 8)) for exponent in range(8, 57))  # T from 10 to 10^7
 _TABLE_STEP = 8
+_REGRET = (*REGRET, regret_unknown_version_space)  # answers T at a given n
 
 Answer: TypeAlias = tuple[Bound, Solution | str]
 """A bound with its solution, or with the reason why it is left out."""
@@ -48,7 +50,7 @@ def main(argv: list[str]) -> int:
     if arguments.target_radius is not None:
         _check_target("--target-radius", arguments.target_radius)
         answers = _answers(RADIUS, "n", arguments.target_radius, setting)
-        records += [_record(answer, "n") for answer in answers]
+        records += [_record(answer, "n", setting) for answer in answers]
         heading = f"demonstrations n for a radius of at most {arguments.target_radius}"
         blocks.append(f"{heading}\n{_certified(answers, 'n')}")
     if arguments.target_regret is not None:
@@ -87,7 +89,8 @@ def _answers(bounds: Sequence[Bound], name: str, target: str, setting: Setting) 
 def _answer(bound: Bound, name: str, target: str, others: Setting) -> Solution | str:
     # more demonstrations must help and more queries must cost, or there is nothing to plan
     if not _plannable(bound, name):
-        return f"not known to be monotone in {name}"
+        move = bound.monotone.get(name)
+        return f"not known to be monotone in {name}" if move is None else f"{move.direction} in {name}: {move.because}"
     missing = _missing(bound, name, others)
     if missing:
         return f"needs {' '.join(map(flag, missing))}"
@@ -122,16 +125,16 @@ def _regret(target: str, setting: Setting, path: Path) -> tuple[str, list[dict[s
     blocks, records = [], []
     for name, other in (("n", "T"), ("T", "n")):
         if other in setting:
-            answers = _answers(REGRET, name, target, setting)
-            records += [_record(answer, name) for answer in answers]
+            answers = _answers(_REGRET, name, target, setting)
+            records += [_record(answer, name, setting) for answer in answers]
             kind = "demonstrations" if name == "n" else "preference queries"
             heading = f"{kind} {name} for a regret of at most {target} at {other} = {show(setting[other])}"
             blocks.append(f"{heading}\n{_certified(answers, name)}")
-    curves = {T: _answers(REGRET, "n", target, setting.replace(T=T)) for T in _QUERIES}
-    records += [_record(answer, "n") for answers in curves.values() for answer in answers]
-    columns = [i for i in range(len(REGRET)) if any(not isinstance(answers[i][1], str) for answers in curves.values())]
+    curves = {T: _answers(_REGRET, "n", target, setting.replace(T=T)) for T in _QUERIES}
+    records += [_record(answer, "n", setting.replace(T=T)) for T, answers in curves.items() for answer in answers]
+    columns = [i for i in range(len(_REGRET)) if any(not isinstance(answers[i][1], str) for answers in curves.values())]
     rows = [(str(T), *(_short(curves[T][i][1]) for i in columns)) for T in _QUERIES[::_TABLE_STEP]]
-    table = text_table(("T", *(f"{REGRET[i].name} ({REGRET[i].status})" for i in columns)), rows)
+    table = text_table(("T", *(f"{_REGRET[i].name} ({_REGRET[i].status})" for i in columns)), rows)
     left_out = [f"left out: {b.name}: {a}\n" for i, (b, a) in enumerate(curves[_QUERIES[0]]) if i not in columns]
     drawn = _draw_tradeoff(path, curves, target)
     blocks.append(
@@ -152,7 +155,7 @@ def _short(answer: Solution | str) -> str:
 
 def _draw_tradeoff(path: Path, curves: dict[int, list[Answer]], target: str) -> str:
     lines = []
-    for position, bound in enumerate(REGRET):
+    for position, bound in enumerate(_REGRET):
         column = [(T, answers[position][1]) for T, answers in curves.items()]
         found = [(float(T), float(a.value)) for T, a in column if isinstance(a, Solution) and a.value is not None]
         if found:
@@ -172,23 +175,21 @@ def _draw_tradeoff(path: Path, curves: dict[int, list[Answer]], target: str) -> 
     return str(path)
 
 
-def _record(answer: Answer, name: str) -> dict[str, Any]:
+def _record(answer: Answer, name: str, setting: Setting) -> dict[str, Any]:
     bound, solution = answer
     row: dict[str, Any] = {"bound": bound.name, "status": bound.status, "parameter": name}
     if isinstance(solution, str):
-        return row | {
-            "answer": "left out",
-            "value": None,
-            "meets": None,
-            "fails": None,
-            "others": {},
-            "reason": solution,
-        }
+        nothing = dict.fromkeys(("value", "meets", "fails"))
+        return row | {"answer": "left out", **nothing, "others": _shown(setting, name), "reason": solution}
     return row | {
         "answer": solution.status,
         "value": None if solution.value is None else show(solution.value),
         "meets": None if solution.meets is None else [solution.meets.lower, solution.meets.upper],
         "fails": None if solution.fails is None else [solution.fails.lower, solution.fails.upper],
-        "others": {name: show(value) for name, value in solution.others.items()},
+        "others": _shown(solution.others, name),
         "reason": solution.reason,
     }
+
+
+def _shown(values: Mapping[str, Stored], name: str) -> dict[str, str]:
+    return {other: show(value) for other, value in values.items() if other != name}

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from bridge_theory import bounds_from_counts, offline_radius
+from bridge_theory import Setting, bounds_from_counts, offline_radius, regret_unknown_version_space
 from bridge_theory.cli import bounds, plan
 from bridge_theory.cli.figure import draw
 from bridge_theory.cli.sweep import parse_sweep
@@ -296,4 +297,19 @@ def test_plan_answers_where_one_theorem_does_not_apply(tmp_path: Path, capsys: p
     assert stated[2:5] == ["-", "regret_known_stated", "applies"]
     known = next(row for row in rows if row[:1] == ["regret_known_version_space"])
     assert int(known[2]) > 1
-    assert ["left", "out:", "regret_unknown_repaired:", "not", "known"] in [row[:5] for row in rows]
+    assert ["left", "out:", "regret_unknown_repaired:", "rises", "in", "n:"] in [row[:6] for row in rows]
+    assert ["left", "out:", "regret_unknown_version_space:", "not", "known"] in [row[:5] for row in rows]
+
+
+def test_plan_of_queries_with_unknown_dynamics(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    setting = {"S": 5, "A": 4, "H": 8, "delta": "0.05", "n": 1000, "B": 1, "W": "0.5", "d": 3, "lam": 1}
+    flags = [text for name, value in setting.items() for text in (f"--{name}", str(value))]
+    plan.main([*flags, "--target-regret", "50", "--json", "--figure", str(tmp_path / "p.png")])
+    records = json.loads(capsys.readouterr().out)
+    mine = [record for record in records if record["bound"] == "regret_unknown_version_space"]
+    queries = next(record for record in mine if record["parameter"] == "T")
+    # the demonstrations decide: 2BW T (1 - (delta_off / (2^S - 1))^(1/n)) with delta_off = delta / 5
+    assert int(queries["value"]) == math.floor(50 / -math.expm1(math.log(0.01 / 31) / 1000))
+    assert regret_unknown_version_space.value(Setting(**setting), T=int(queries["value"])).enclosure.upper <= 50
+    left_out = [record["others"]["T"] for record in mine if record["answer"] == "left out"]
+    assert len(set(left_out)) == len(left_out) == 49

@@ -28,7 +28,7 @@ class Bound(Formula):
 
     ``trivial`` is the value beyond which the statement says nothing (a number, or a function of ``m`` and some of the
     parameters); ``spends`` are the failure probabilities it uses up, ``failure`` their total where that is not their
-    sum; ``words`` is the statement with ``{value}`` in it.
+    sum; ``words`` is the statement with ``{value}`` in it, or ``{at_least}`` where it bounds from below.
     """
 
     trivial: Exact | Callable[..., Value] | None = None

@@ -50,6 +50,11 @@ class Enclosure:
         return rounded_up(self.upper if self.exact is None else self.exact)
 
     @property
+    def at_least(self) -> str:
+        """Six digits that the value does not fall below."""
+        return rounded_down(self.lower if self.exact is None else self.exact)
+
+    @property
     def complement_at_least(self) -> str:
         """Six digits that ``1 - value`` does not fall below, nor 0: the chance that an event of this failure holds."""
         value = min(1.0, self.upper) if self.exact is None else min(Fraction(1), self.exact)

@@ -94,7 +94,7 @@ class BoundValue:
     def words(self) -> str:
         """The statement in words: its probability, its value, its assumptions."""
         chance = "" if self.failure is None else f"with probability at least {self.failure.complement_at_least}, "
-        statement = chance + self.bound.words.format(value=self.enclosure.at_most)
+        statement = chance + self.bound.words.format(value=self.enclosure.at_most, at_least=self.enclosure.at_least)
         provided = f", provided {'; '.join(self.bound.assumptions)}" if self.bound.assumptions else ""
         empty = " This is no better than the trivial value." if self.vacuous else ""
         return statement[0].upper() + statement[1:] + provided + "." + empty

@@ -240,7 +240,7 @@ def regret_known_deterministic(
     source="audit R11",
     group="regret",
     status="sharp",
-    words="the elliptical bound with offline data cannot be below {value}",
+    words="the elliptical bound with offline data cannot be below {at_least}",
     assumptions=("the multiplier is at least 2W sqrt(kappa lam), as the paper's and the repaired one are",),
     monotone={
         "W": rises("it multiplies"),

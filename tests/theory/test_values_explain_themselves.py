@@ -283,6 +283,9 @@ def test_words_round_bounds_up_and_probabilities_down() -> None:
     assert 1 < just_above.enclosure.lower < 1.00001
     assert "Hellinger distance 1.00001 of" in just_above.words
     assert "probability at least 0.999999, " in offline_radius.value(n=9, **known | {"delta": "1e-9"}).words
+    # 4 sqrt(log 2) = 3.330218...: a floor is rounded down
+    floor = bridge_theory.elliptical_floor.value(W=1, d=1, T=1, gamma=10, diameter=1)
+    assert "cannot be below 3.33021," in floor.words
     # exact rationals do not grow in the last digit
     failure = bridge_theory.containment_failure_known.value(delta_off="0.03", delta_w="0.02")
     assert failure.enclosure.exact == Fraction(1, 20)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from bridge_theory import offline_radius
 from bridge_theory.errors import InputError
 from proofs_checks import counterexample, ledger
 from proofs_checks.claim import Claim, Repair
@@ -216,3 +217,28 @@ def test_stored_counterexamples_are_read_once_and_frozen() -> None:
     example = load("apparatus-unbounded-observation")
     assert load("apparatus-unbounded-observation") is example
     assert replace(example, name="other").name == "other"
+
+
+def test_statements_of_order_are_refuted_by_size_and_not_by_a_sign() -> None:
+    refuting = [
+        item.counterexample
+        for claim in ledger.claims()
+        for item in claim.evidence
+        if item.counterexample is not None and "O(" in claim.statement and item.counterexample.relation == "<="
+    ]
+    assert len(refuting) >= 10
+    for example in refuting:  # O(f) bounds by a multiple of |f|: a negative f would refute nothing
+        assert _lowest(example.right.value) > 0, example.name
+
+
+def test_what_the_radius_hides_belongs_to_the_dynamics_and_not_to_the_known_first_state() -> None:
+    example = load("offline-hidden-visitation")
+    assert int(example.data["H"]) >= 2
+    point = {name: Fraction(example.data[name]) for name in ("S", "A", "H", "n", "delta")}
+    for rare, side in (("rare_1", example.left), ("rare_2", example.right)):
+        radius = offline_radius.enclosure(gamma_min=example.data[rare], **point)
+        assert _lowest(side.value) <= radius.lower < radius.upper <= -_lowest(side.value, sign=-1)
+
+
+def _lowest(value: Fraction | tuple[Fraction, Fraction], *, sign: int = 1) -> Fraction:
+    return min(sign * end for end in (value if isinstance(value, tuple) else (value,)))

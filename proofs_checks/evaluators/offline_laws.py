@@ -116,8 +116,8 @@ def scaled_radius(data: Mapping[str, Any]) -> tuple[Number, Number]:
 def hidden_visitation(data: Mapping[str, Any]) -> tuple[Number, Number]:
     """The theorem's radius in two environments that give the same demonstrations with positive probability.
 
-    The first state is one of two, the second of them with probability ``rare_1`` or ``rare_2``, where it is also the
-    smallest visitation probability of one step; all n demonstrations start in the first.
+    The first state is fixed and known. The other one follows it with probability ``rare_1`` or ``rare_2``, which in two
+    steps is also the smallest visitation probability; all n demonstrations stay in the first.
     """
     n, sides = int(data["n"]), []
     with working_precision(128):

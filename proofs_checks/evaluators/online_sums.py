@@ -47,16 +47,6 @@ def early_norm(data: Mapping[str, Any]) -> tuple[Number, Number]:
         return enclosed(W * (start + silent * B * B).sqrt()), enclosed(bound)
 
 
-@evaluates("online-negative-scale")
-def negative_scale(data: Mapping[str, Any]) -> tuple[Number, Number]:
-    """0, below which no regret falls, and a constant times Gamma sqrt(T S / (n d))."""
-    with working_precision(128):
-        B, W, d, S, n, T, delta, constant = numbers(data, "B W d S n T delta constant")
-        kappa = inverse_slope(B * W)
-        scale = (W * (kappa * B).sqrt() + W * B) * d * (T * B / (kappa * delta)).log()
-        return Fraction(0), enclosed(constant * scale * (T * S / (n * d)).sqrt())
-
-
 @evaluates("online-drift-sum")
 def drift_sum(data: Mapping[str, Any]) -> tuple[Number, Number]:
     """sum over t <= T of t / (n (n + t)), and a constant times min(T / n, log T)."""

@@ -45,6 +45,8 @@ def two_policies(data: Mapping[str, Any]) -> tuple[Number, Number]:
                 B * W * T,
                 (2 * kappa * beta(T, W=W, kappa=kappa, **common) + width) * (2 * log_term).sqrt(),
             ),
+            "small horizon": (B * W * T, scale * (T / n).sqrt()),
+            "transition": (B * W * T, scale),
             "rate": (B * W * T, scale * (1 + T / n).log().sqrt()),
             "large horizon": (B * W * T, scale * T.log().sqrt()),
             "term 2": ((T * norms).sqrt(), (T * (1 + 10**6 * drift).log()).sqrt()),

@@ -104,8 +104,8 @@ _TRIVIAL_REGIME = proved_step(
     mutant("a logarithm of at least 0", least=0),
 )
 _TRIVIAL_REASON = (
-    r"For deterministic policies R8 gives $R_T \le 24BWT|\mathcal S|\log(|\mathcal A|/\delta)/n$, whatever is played; "
-    "the paper's own derivation is false by $\\sqrt T$."
+    r"For deterministic policies R8 gives $R_T \le 24BWT|\mathcal S|\log(|\mathcal A|/\delta)/n$, whatever is played "
+    r"inside the offline set; the paper's own derivation is false by $\sqrt T$."
 )
 _TRIVIAL_ASSUMPTIONS = (
     "all policies are deterministic",
@@ -229,9 +229,10 @@ CLAIMS = (
         topic="regret",
         verdict="false",
         statement=r"For $T|\mathcal S| \ll nd$: $R_T = O(\Gamma\sqrt{T|\mathcal S|/(nd)})$.",
-        because=r"$\Gamma$ is negative for $TB < \kappa\delta$, and no regret is. As derived it is false by "
-        r"$\sqrt T$, too; its order is true for deterministic policies, for a trivial reason.",
-        evidence=(refuted("online-negative-regime"),),
+        because=r"$\Gamma$ vanishes at $TB = \kappa\delta$ and is negative below, while the first round may cost $BW$. "
+        r"As derived it is false by $\sqrt T$, too; where the logarithm is at least 1, its order is true for "
+        "deterministic policies, for a trivial reason.",
+        evidence=(refuted("online-small-horizon"),),
         repairs=(R8,),
     ),
     Claim(
@@ -253,9 +254,9 @@ CLAIMS = (
         topic="regret",
         verdict="false",
         statement=r"For $T|\mathcal S| \approx nd$: $R_T = O(\Gamma)$.",
-        because=r"$\Gamma$ is negative for $TB < \kappa\delta$, and no regret is; the order is true for deterministic "
-        "policies, for a trivial reason.",
-        evidence=(refuted("online-negative-scale"),),
+        because=r"$\Gamma$ vanishes at $TB = \kappa\delta$ and is negative below, while the first round may cost $BW$; "
+        "where the logarithm is at least 1, the order is true for deterministic policies, for a trivial reason.",
+        evidence=(refuted("online-transition"),),
         repairs=(R8,),
     ),
     Claim(

@@ -227,7 +227,7 @@ TRIVIAL: dict[str, float] = by_name(
 coverage = S_reach * exp(-n * gamma / 8)
 FAILURE: dict[str, float] = by_name(
     (delta + delta * log(T) / log(2), "alpha_dT gamma_known regret_known_from_sum"),
-    (5 * delta, "gamma_unknown regret_unknown_stated"),
+    (5 * delta, "gamma_unknown gamma_true_bonus regret_unknown_stated"),
     (4 * delta + delta * log(T) / log(2), "regret_unknown_squared"),
     (2 * delta, "played_bonus_sum_stated"),
     (2 * delta_M, "squared_bonus_sum_stated squared_true_bonus_sum_stated"),

@@ -24,6 +24,7 @@ _GAMMA = {
     group="regret",
     status="stated",
     spends=("delta",),
+    failure=lambda m, delta: 5 * delta,
     words="the true weights lie within {value} of the projected ones in the norm of the estimated data matrix",
     assumptions=_EVENTS,
     monotone={

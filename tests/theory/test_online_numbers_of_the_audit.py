@@ -22,6 +22,7 @@ from bridge_theory import (
     elliptical_potential,
     feature_difference_sum,
     gamma_known,
+    gamma_true_bonus,
     kappa,
     kappa_differences,
     main_simplified_rate,
@@ -35,6 +36,7 @@ from bridge_theory import (
     regret_known_stated,
     regret_trivial,
     regret_unknown_squared,
+    regret_unknown_stated,
     squared_bonus_rate,
     squared_true_bonus_sum_stated,
     xi,
@@ -65,6 +67,14 @@ def test_the_lemma_with_its_square_promises_no_more_than_its_parts() -> None:
     # 1 - 0.14, rounded down: no ball tells log2(1024) from its neighbours
     assert whole.words.startswith("With probability at least 0.859999, ")
     assert regret_unknown_squared.status == "stated"
+
+
+def test_the_stated_multiplier_promises_no_more_than_the_lemma_that_uses_it() -> None:
+    point = {"B": 1, "W": 1, "lam": 1, "d": 1, "H": 2, "T": 9, "delta": "0.01", "epsilon": 1, "bonus_square_sum": 0}
+    part, whole = gamma_true_bonus.value(**point), regret_unknown_stated.value(**point, norm_sum=1, bonus_sum=0)
+    assert part.failure is not None
+    assert whole.failure is not None
+    assert part.failure.exact == whole.failure.exact == Fraction(5, 100)
 
 
 def test_kappa_is_the_largest_inverse_slope_of_the_sigmoid() -> None:

@@ -156,20 +156,6 @@ def formulas(*, names: tuple[str, ...] = (), factor: float = 1.0) -> Outcome:
     return tally.outcome("bridge_theory agrees with a second transcription")
 
 
-def tables(*, share: float = 0.5) -> Outcome:
-    """The two sums over (step, state, action) tables, on small tables."""
-    tally = Tally()
-    d, d_hat, h = (0.5, 0.25, 0.25, 1.0), (0.125, 0.5, 0.375, 0.75), (0.0, 0.1, 0.9, 0.3)
-    both = bridge_theory.trajectory_error_symmetrised.estimate(occupancy=d, occupancy_hat=d_hat, row_errors=h)
-    one = bridge_theory.trajectory_error_one_sided.estimate(occupancy=d, row_errors=h)
-    expected = share * sum((a + b) * e for a, b, e in zip(d, d_hat, h, strict=True))
-    tally.expect(bool(abs(both - expected) < _ROUNDING), "the symmetrised sum")
-    tally.expect(
-        bool(abs(one - 6 * share * sum(a * e for a, e in zip(d, h, strict=True))) < _ROUNDING), "the other sum"
-    )
-    return tally.outcome("sums over tables")
-
-
 def compositions(*, half: float = 0.5) -> Outcome:
     """The composed proved radii: T7(b) and T11 at delta/2 each, put together by T9."""
     from bridge_theory import offline_radius_repaired, offline_radius_repaired_angle, transition_error_repaired

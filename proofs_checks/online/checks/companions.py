@@ -42,7 +42,7 @@ TRIVIAL: Mapping[str, Callable[..., float]] = {
 """What is known without the statement."""
 
 _NORM_RELATION = ("alpha_dT", "gamma_known", "regret_known_from_sum")
-_FIVE_EVENTS = ("gamma_unknown", "regret_unknown_stated")
+_FIVE_EVENTS = ("gamma_unknown", "gamma_true_bonus", "regret_unknown_stated")
 
 
 def _uncovered(S_reach: float, n: float, gamma_min: float) -> float:

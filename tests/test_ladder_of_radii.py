@@ -167,6 +167,15 @@ def test_mass_that_leaves_the_data_is_certified(empty_row: str, rng: np.random.G
     assert floats_below >= 3
 
 
+def test_mass_that_leaves_the_data_is_a_probability(rng: np.random.Generator) -> None:
+    """Every state is contradicted and all are first states: the mass is 1, and no rounding makes it more."""
+    for n_states in range(2, 8):
+        visits, transitions = np.ones((2, n_states, 2), int), np.ones((1, n_states, 2, n_states), int)
+        clone, initial = np.zeros(n_states, int), rng.dirichlet(np.ones(n_states))
+        mass = leaving_mass(StepCounts(visits, transitions), initial, clone, "uniform")
+        assert mass.lower <= mass.upper == 1
+
+
 def test_transition_error_from_counts_follows_its_formula_by_hand() -> None:
     """One state leads to another or stays: 3 of 4 demonstrations move on, none acts in the second state before H."""
     counts = StepCounts(

@@ -6,6 +6,7 @@ Both hold for a deterministic stationary expert whose actions were recorded with
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -54,9 +55,10 @@ def leaving_mass(counts: StepCounts, initial: FloatArray, clone: Policy, empty_r
                 for target, chance in rows.get(s, ()):
                     arriving[target] = arriving.get(target, BALLS.number(0)) + p * BALLS.number(chance)
             present = arriving
-        return BALLS.min(met, 1)
+        return met
 
-    return enclose(mass)
+    found = enclose(mass)
+    return replace(found, upper=min(1.0, found.upper))  # a sum of rounded thirds may exceed 1
 
 
 def _exact_row(counts: list[int], state: int, empty_row: EmptyRow) -> list[tuple[int, Fraction]]:

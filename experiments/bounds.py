@@ -71,7 +71,7 @@ def _from_data(demos: str, mdp: str, empty_row: EmptyRow, delta: str) -> tuple[d
 
 
 def _flag_value(arguments: list[str], flag: str) -> str | None:
-    for position, text in enumerate(arguments):
+    for position, text in reversed(list(enumerate(arguments))):  # of two the parser takes the last
         if text == flag and position + 1 < len(arguments):
             return arguments[position + 1]
         if text.startswith(f"{flag}="):

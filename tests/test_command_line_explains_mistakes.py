@@ -143,7 +143,7 @@ def test_demonstrations_that_refute_the_expert_certify_nothing_about_one(tmp_pat
     assert not any(name in printed for name in ("offline_radius_mass", "missing_mass", "transition_error_counts"))
     assert "They refute a deterministic stationary expert, for 5 of 5 states show more than one action" in printed
     assert "with delta = 0.05 in each bound" in printed
-    assert main([*arguments, "--delta", "0.1", "--json"]) == 0
+    assert main([*arguments, "--delta", "0.3", "--delta", "0.1", "--json"]) == 0
     printed = capsys.readouterr()
     assert "They refute" in printed.err
     assert {record["parameters"]["delta"] for record in json.loads(printed.out)} == {"0.1"}

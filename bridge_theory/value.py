@@ -71,14 +71,15 @@ class BoundValue:
     def vacuous(self) -> bool | None:
         """Whether the bound is no better than the trivial value, certified also where both are beyond float64.
 
-        None where there is no trivial value, or where either is not known.
+        None where there is no trivial value, or where the two are not known well enough to be compared.
         """
         trivial = self.bound.trivial
-        if trivial is None or self.trivial is None or not (self.enclosure.narrow and self.trivial.narrow):
+        if trivial is None or self.trivial is None:
             return None
         excess = enclose(lambda: self._computed() - self._computed_trivial(trivial))
-        # an excess that stays wide around 0 is none to the highest precision
-        return excess.lower >= 0 or not (excess.narrow or excess.upper < 0)
+        if excess.lower >= 0 or excess.upper < 0:
+            return excess.lower >= 0
+        return True if self.enclosure.narrow and self.trivial.narrow else None  # they agree to the highest precision
 
     @cached_property
     def failure(self) -> Enclosure | None:

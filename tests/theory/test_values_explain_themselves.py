@@ -87,12 +87,13 @@ def test_failure_is_the_sum_of_what_is_spent_or_a_formula() -> None:
     assert "probability at least 0.8," in twice.value(delta="0.1").words
 
 
-def test_undecided_vacuity_is_none() -> None:
-    @bound(**_mutant(trivial=2))
+@pytest.mark.parametrize(("trivial", "vacuous"), [(2, False), (0, None)])
+def test_undecided_vacuity_is_none(trivial: int, vacuous: bool | None) -> None:
+    @bound(**_mutant(trivial=trivial))
     def touching(m: Arithmetic, *, R1: Value) -> Value:
         return m.sqrt(m.number(2)) ** 2 - 2 + 0 * R1
 
-    assert touching.value(R1=1).vacuous is None
+    assert touching.value(R1=1).vacuous is vacuous
 
 
 def test_conventions_of_a_setting() -> None:
@@ -343,6 +344,8 @@ def test_exact_values_beyond_float64_keep_their_size_and_their_order() -> None:
     assert below.vacuous is False
     equal = bridge_theory.regret_known_repaired.value(**point, T=1, diameter="2e-100", Delta_n=1)
     assert equal.vacuous is True
+    zero = bridge_theory.mle_finite_stated.value(n=1, delta="0.05", class_size=5, chi2=7)  # 6 log(1/2) + 2 log(8)
+    assert (zero.enclosure.narrow, zero.vacuous) == (False, False)
 
 
 def test_a_failure_beyond_float64_leaves_no_probability() -> None:

@@ -146,8 +146,10 @@ def _regret(target: str, setting: Setting, path: Path) -> tuple[str, list[dict[s
 def _short(answer: Solution | str) -> str:
     if isinstance(answer, str):
         return "-"
+    if answer.status == "never":
+        return "none" if answer.name == "T" or answer.beyond is None else f"> {show(answer.beyond)}"
     if answer.value is None:
-        return "none" if answer.status == "never" else "undecided"
+        return "undecided"
     if answer.status == "undecided" or (answer.status == "always" and answer.name == "T"):
         return f"{'<=' if answer.name == 'n' else '>='} {show(answer.value)}"
     return show(answer.value)

@@ -33,8 +33,7 @@ def row_for(formula: Formula, setting: Setting) -> Row:
     """Evaluate one formula whose parameters the setting determines."""
     try:
         if isinstance(formula, Bound):
-            value = formula.value(setting)
-            return Row(formula, value=value) if value.enclosure else Row(formula)
+            return Row(formula, value=formula.value(setting))
         known = setting.completed(())
         exact = {name: known[name] for name in formula.parameters}
         return Row(formula, estimate=float(np.float64(formula.estimate(**exact))))

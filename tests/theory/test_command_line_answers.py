@@ -203,6 +203,9 @@ def test_plan_does_not_call_the_end_of_its_search_an_answer(tmp_path: Path, caps
     plan.main([*_OFFLINE, *_ONLINE, "--target-regret", "1e30", "--figure", str(tmp_path / "p.png")])
     rows = [line.split() for line in capsys.readouterr().out.splitlines()]
     assert next(row for row in rows if row[:1] == ["regret_known_version_space"])[2:4] == [">=", "1" + 24 * "0"]
+    plan.main([*_without(_OFFLINE, "--n"), "--target-radius", "1e-11"])
+    rows = [line.split() for line in capsys.readouterr().out.splitlines()]
+    assert next(row for row in rows if row[:1] == ["offline_radius_repaired"])[2:4] == [">", "1" + 24 * "0"]
 
 
 def test_plan_for_a_regret_no_bound_reaches(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -68,7 +68,9 @@ def describe(
     settings: dict[str, Any],
     seed: int,
     command: str,
+    *,
     horizon: int | None,
+    threads: int | None,
 ) -> dict[str, Any]:
     """The card of a trained expert, evaluated over 1,000 episodes that training did not see."""
     return {
@@ -78,6 +80,6 @@ def describe(
         "settings": settings,
         "seed": seed,
         "versions": package_versions(),
-        "evaluation": evaluation(environment, policy, horizon=horizon),
+        "evaluation": evaluation(environment, policy, horizon=horizon, threads=threads),
         "published_return": PUBLISHED_RETURNS.get(environment.name),
     }

@@ -20,6 +20,8 @@ from bridge_theory.errors import InputError
 
 _LEAST = (("threads", 1), ("episodes", 1), ("n", 1), ("iterations", 1), ("steps", 1), ("horizon", 1), ("seed", 0))
 """Least values of options."""
+_UNREAD = {"ppo": ("steps",), "sb3": ("iterations", "horizon")}
+"""Options of ``train`` that an algorithm does not take; sb3 trains on episodes as long as the environment allows."""
 
 
 def parser() -> argparse.ArgumentParser:
@@ -47,8 +49,10 @@ def parser() -> argparse.ArgumentParser:
     evaluate.add_argument("--episodes", type=int, default=1000, help="(default 1000)")
     demonstrate.add_argument("--n", type=int, default=20, help="number of demonstrations (default 20)")
     demonstrate.add_argument("--out", required=True, help="FILE.npz, or the id of a new Minari dataset (name-v0)")
-    for sub in (train, evaluate, demonstrate):
-        sub.add_argument("--horizon", type=int, help="steps of an episode (default: 50 for reacher, 100 for ant)")
+    for sub, whose in ((train, ", of ppo"), (evaluate, ""), (demonstrate, "")):
+        sub.add_argument(
+            "--horizon", type=int, help=f"steps of an episode{whose} (default: 50 for reacher, 100 for ant)"
+        )
         sub.add_argument("--threads", type=int, help="(default: all cores); does not change the numbers")
     return p
 
@@ -73,8 +77,7 @@ def _train(options: argparse.Namespace, argv: Sequence[str]) -> None:
     environment = make_environment(options.environment)
     if environment.name not in ppo.PRESETS:
         raise InputError(f"there are no training settings for {environment.name!r}, expected {', '.join(ppo.PRESETS)}.")
-    unread = ("iterations",) if options.algorithm == "sb3" else ("steps",)
-    for name in unread:
+    for name in _UNREAD[options.algorithm]:
         if getattr(options, name) is not None:
             raise InputError(f"--{name} is given, but {options.algorithm} does not take it; leave it out.")
     out = checked_path(options.out or Path("out") / f"expert-{environment.name}.safetensors")
@@ -94,7 +97,8 @@ def _train(options: argparse.Namespace, argv: Sequence[str]) -> None:
             environment, options.seed, settings["steps"], lambda snapshot: save_policy(out, snapshot, unfinished)
         )
     command = shlex.join(["bridge-rl", "expert", *argv])
-    card = describe(environment, policy, options.algorithm, settings, options.seed, command, options.horizon)
+    how = (options.algorithm, settings, options.seed, command)
+    card = describe(environment, policy, *how, horizon=options.horizon, threads=options.threads)
     save_policy(out, policy, card)
     print(f"{out}: {_sentence(card['evaluation'])}")
 

@@ -87,6 +87,11 @@ def test_importing_rollouts_is_light():
         (["train", "hopper"], "there is no environment 'hopper'"),
         (["train", "Hopper-v5"], "there are no training settings for 'Hopper-v5', expected reacher, ant"),
         (["train", "reacher", "--iterations", "0"], "--iterations is 0, expected at least 1"),
+        (["train", "reacher", "--steps", "9"], "--steps is given, but ppo does not take it; leave it out"),
+        (
+            ["train", "reacher", "--algorithm", "sb3", "--steps", "1", "--horizon", "9"],
+            "--horizon is given, but sb3 does",
+        ),
         (["train", "reacher", "--seed", "-1"], "--seed is -1, expected at least 0"),
         (["evaluate", "reacher", "--expert", "nowhere.safetensors"], "nowhere.safetensors does not exist"),
         (["evaluate", "Hopper-v5"], "there is no expert 'Hopper-v5'"),

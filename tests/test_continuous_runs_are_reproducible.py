@@ -207,15 +207,18 @@ def test_damaged_features_are_named(own_cache: Path) -> None:
     run_seed(TINY, 0, cache=own_cache)
     victim = sorted(own_cache.rglob("*.npz"))[0]
     victim.write_bytes(victim.read_bytes()[:500])
-    with pytest.raises(InputError, match=f"{victim.name} is not a readable .npz file"):
+    with pytest.raises(InputError, match=f"{victim.name} does not hold what was kept there; delete it"):
         run_seed(TINY, 0, cache=own_cache)
 
 
 def test_damaged_clones_are_named(own_cache: Path) -> None:
-    run_seed(TINY, 0, cache=own_cache)
+    whole_result = run_seed(TINY, 0, cache=own_cache)
     card = next((own_cache / "clones").glob("*.json"))
     whole = card.read_text()
     other = next((own_cache / "clones").glob("*.safetensors"))
+    for lost in (card, other):
+        lost.unlink()
+        assert same(run_seed(TINY, 0, cache=own_cache), whole_result), "half a clone is no clone: it is fitted again"
     for damaged in (
         "{}",
         "[1]",
@@ -223,10 +226,13 @@ def test_damaged_clones_are_named(own_cache: Path) -> None:
         whole.replace("policy", "p"),
     ):
         card.write_text(damaged)
-        with pytest.raises(InputError, match=r"card|delete both"):
+        with pytest.raises(InputError, match=f"{other.name} and its card do not hold .* delete both"):
             run_seed(TINY, 0, cache=own_cache)
     card.write_text(whole)
     save_policy(other, load_expert("reacher", make_environment("reacher")), json.loads(whole))
+    with pytest.raises(InputError, match="delete both"):
+        run_seed(TINY, 0, cache=own_cache)
+    other.write_bytes(b"nothing")
     with pytest.raises(InputError, match="delete both"):
         run_seed(TINY, 0, cache=own_cache)
 

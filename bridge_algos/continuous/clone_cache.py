@@ -49,16 +49,20 @@ def cached_clone(
     }
     name = hashlib.sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()[:32]
     path = cache / "clones" / f"{name}.safetensors"
-    if not path.with_suffix(".json").exists():  # the card is written last
+    if not (path.exists() and path.with_suffix(".json").exists()):  # a killed run leaves one, and so may a clean-up
         fitted = clone(demonstrations, rng, validation=validation, statistics=statistics, **settings)
         kept = {name: getattr(fitted, name).tolist() for name in CURVES}
         save_policy(path, fitted.policy, {"made of": identity, "policy": fitted.policy.digest(), **kept})
         return fitted
-    card, policy = expert_card(path), load_policy(path)
+    damaged = InputError(
+        f"{path} and its card do not hold what was kept there; delete both, so that it is fitted again."
+    )
+    try:
+        card, policy = expert_card(path), load_policy(path)
+    except InputError:
+        raise damaged from None
     curves = [np.asarray(card.get(name, ()), dtype=object) for name in CURVES]
     known = card.get("made of") == json.loads(json.dumps(identity)) and card.get("policy") == policy.digest()
     if not known or any(curve.shape != (settings["epochs"],) for curve in curves):
-        raise InputError(
-            f"{path} and its card do not hold what was kept there; delete both, so that it is fitted again."
-        )
+        raise damaged
     return Clone(policy, *(curve.astype(np.float64) for curve in curves))

@@ -154,12 +154,16 @@ def _roll(
 
 def _read(path: Path, embeddings: dict[str, EmbeddingFunction], policies: int, rollouts: int) -> dict[str, FloatArray]:
     names = ["returns", *(f"{name}.{array}" for name in embeddings for array in _ARRAYS)]
-    stored = read_arrays(path, names)
+    damaged = InputError(f"{path} does not hold what was kept there; delete it, so that it is computed again.")
+    try:
+        stored = read_arrays(path, names)
+    except InputError:
+        raise damaged from None
     arrays = {name: stored[name] for name in names}
     numbers = all(array.dtype.kind == "f" and np.isfinite(array).all() for array in arrays.values())
     sizes = {array.shape[:1] for array in arrays.values()}
     if not numbers or sizes != {(policies,)} or arrays["returns"].shape != (policies, rollouts):
-        raise InputError(f"{path} does not hold what was kept there; delete it, so that it is computed again.")
+        raise damaged
     return arrays
 
 

@@ -101,7 +101,6 @@ def synthetic(settings: dict, rounds: int):  # type: ignore[no-untyped-def]
         for name, value in (
             ("suboptimality", -1.0),
             ("suboptimality_seen", -2.0),
-            ("pseudo_regret", 1.0),
             ("set_size", 3.0),
             ("cumulative_error", 0.1),
         )

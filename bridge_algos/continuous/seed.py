@@ -39,11 +39,12 @@ def run_seed(
     Returns:
         The data set of :func:`bridge_algos.run.dataset.seed_dataset`, with ``first``, ``second`` and ``greedy`` as
         indices of candidates (0 is the clone, the last one the expert). ``suboptimality`` is judged on fresh initial
-        states, as are all returns; ``suboptimality_seen`` and ``pseudo_regret`` on the rollouts that made the features,
-        as in the published runs. ``suboptimality_error`` and ``cumulative_error`` are Monte-Carlo standard errors of
-        the regret against the expert, of a round and cumulated. ``suboptimality`` less ``best_candidate``, or less
-        ``best_of_all``, is the regret against the candidate that looked best among those that the algorithm searched,
-        or that any did. The numbers depend on configuration, seed and ``user`` only.
+        states, as are all returns; ``suboptimality_seen`` on the rollouts that made the features, as in the published
+        runs. There is no ``pseudo_regret``: not every pair that was played is judged. ``suboptimality_error`` and
+        ``cumulative_error`` are Monte-Carlo standard errors of the regret against the expert, of a round and cumulated.
+        ``suboptimality`` less ``best_candidate``, or less ``best_of_all``, is the regret against the candidate that
+        looked best among those that the algorithm searched, or that any did. The numbers depend on configuration, seed
+        and ``user`` only.
     """
     with threadpool_limits(1):
         stage = offline_stage(config, seed, cache=cache, threads=threads, progress=progress, user=user)
@@ -84,7 +85,8 @@ def _online(config: ContinuousConfig, stage: OfflineStage, seed: int, threads: i
         "expert": f"expert: {config.expert or f'shipped, {config.environment}'}, "
         f"{'a candidate' if config.include_expert else 'not a candidate'}",
     }
-    return seed_dataset(config, seed, records, _scalars(config, stage, returns), attributes).assign(
+    dataset = seed_dataset(config, seed, records, _scalars(config, stage, returns), attributes)
+    return dataset.drop_vars("pseudo_regret").assign(
         best_candidate=("algorithm", [float(gaps[index].mean()) for index in best.values()], below),
         best_of_all=((), float(gaps[optimum].mean()), below),
         suboptimality_seen=(("algorithm", "round"), np.stack(as_seen), unit),

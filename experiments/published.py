@@ -15,7 +15,7 @@ from bridge_algos.mdp import FloatArray, TabularMDP
 from bridge_algos.policies import random_policies
 from bridge_algos.run.config import RunConfig
 from bridge_algos.run.plots import STYLES
-from bridge_algos.run.summary import Mean, cumulative, mean_over_seeds
+from bridge_algos.run.summary import Mean, cumulative, mean_of, mean_over_seeds
 from bridge_algos.trajectories import sample_trajectories
 
 ALGORITHMS = ("bridge", "pbrl")
@@ -66,8 +66,15 @@ def agreement(ours: Mean, published: Mean) -> str:
     return f"published {published}, ours {ours}: they {found}"
 
 
+def agreeing_rounds(values: FloatArray, curve: dict[str, Any]) -> int:
+    """In how many rounds ours, (seeds, rounds), agree with a published curve: the difference's interval has zero."""
+    mean, half = mean_over_seeds(values)
+    gap = np.abs(mean - np.array(curve["mean"]))
+    return int((gap <= np.hypot(half, curve["ci95_half_width"]) + 1e-9).sum())
+
+
 def agreement_lines(results: xr.Dataset, curves: dict[str, Any]) -> list[str]:
-    """Regret and policies left after the last round, ours and theirs, a sentence each."""
+    """Regret and policies left, ours and theirs: after the last round, and in how many rounds; a line each."""
     lines = []
     for name in ALGORITHMS:
         for label, key, values in (
@@ -75,8 +82,10 @@ def agreement_lines(results: xr.Dataset, curves: dict[str, Any]) -> list[str]:
             ("|Pi_t|", "policy_set_size", np.asarray(results.set_size.sel(algorithm=name).transpose("seed", "round"))),
         ):
             published = Mean(curves[name][key]["mean"][-1], curves[name][key]["ci95_half_width"][-1])
-            ours = Mean(*(float(value) for value in mean_over_seeds(values[:, -1])))
-            lines.append(f"{STYLES[name]['label']}, last {label}: {agreement(ours, published)}.")
+            lines.append(
+                f"{STYLES[name]['label']}, last {label}: {agreement(mean_of(values[:, -1]), published)}; agreement in "
+                f"{agreeing_rounds(values, curves[name][key])} of {values.shape[1]} rounds."
+            )
     return lines
 
 

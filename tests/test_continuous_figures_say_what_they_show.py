@@ -11,7 +11,7 @@ pytest.importorskip("torch", reason="cloning needs torch, of the extra 'continuo
 
 from bridge_algos.continuous.config import ContinuousConfig, continuous_preset
 from bridge_algos.netcdf import load_dataset
-from experiments.published import published_curves
+from experiments.published import agreeing_rounds, published_curves
 from experiments.reproduce import configuration, in_all, names, reproduce
 from experiments.studies import mujoco, mujoco_ablation, mujoco_differences
 
@@ -88,6 +88,26 @@ def test_published_curves_are_drawn_only_beside_their_own_setting() -> None:
     assert "published 84.44 ± 23.21, ours 600.00 ± 0.00" in mujoco.words(seen)
 
 
+def test_words_name_the_expert_and_what_differs_from_the_published_runs() -> None:
+    reacher, ant = (configuration(name)["settings"] for name in ("fig2-reacher", "fig2-ant"))
+    text = mujoco.words(synthetic(ant, 3))
+    assert "expert: shipped, ant" in text
+    assert "trained by our PPO on episodes of 100 steps, theirs by TD3" in text
+    assert "theirs by its steps" in text
+    assert "same settings" not in text
+    text = mujoco.words(synthetic(reacher, 3))
+    assert "expert: reacher-zoo" in text
+    assert "trained with the same settings" in text
+    assert "from 200 rollouts, as all candidates do, theirs from 1000" in text
+
+
+def test_agreement_is_counted_in_every_round() -> None:
+    theirs = {"mean": [0.0, 0.0, 5.0], "ci95_half_width": [1.0, 1.0, 1.0]}
+    ours = np.array([[0.9, 1.0, 4.1], [0.9, 1.2, 4.1]])  # half-widths 0, 1.27, 0
+    assert agreeing_rounds(ours, theirs) == 3
+    assert agreeing_rounds(ours + np.array([0.2, 0.4, 2.0]), theirs) == 1
+
+
 def synthetic(settings: dict, rounds: int):  # type: ignore[no-untyped-def]
     """A data set of the study's form whose regret is -1 in every round."""
     import xarray as xr
@@ -127,6 +147,13 @@ def test_ablations_run_and_leave_out_what_was_not_run(name: str, tmp_path: Path)
     assert len(last) == 2
     assert all(("pbrl" in line) == (name != "ablation-reacher-radius") for line in last)
     assert list(mujoco_ablation.figures(data)) == ["without-expert", "with-expert"]
+    assert "of 13 candidates" in last[0] or "of 7 candidates" in last[0]
+    assert "they compare the greedy policy with a random one" in text
+
+
+def test_what_the_authors_vary_besides_is_said_of_every_ablation() -> None:
+    varied = {name: configuration(name)["settings"]["varied"] for name in ALONE}
+    assert set(varied.values()) == set(mujoco_ablation.DEPARTURES)
 
 
 def test_the_differences_lead_to_the_published_preset(tmp_path: Path) -> None:
@@ -146,6 +173,15 @@ def test_the_differences_lead_to_the_published_preset(tmp_path: Path) -> None:
     for reading, regret in (("fresh", 1.0), ("seen", -2.0), ("published", 0.0)):
         total = mujoco_differences.total(data, "our best expert", "pbrl", reading)
         assert total.mean == pytest.approx(regret * data.sizes["round"])
+    first, last = data.step.values
+    data["suboptimality"].loc[{"step": last}] = 2.0
+    data["suboptimality"].loc[{"step": last, "seed": 1}] = 4.0
+    effect = mujoco_differences.effect(data, last, first, "pbrl", "fresh")
+    assert effect.mean == pytest.approx(2 * data.sizes["round"])
+    told = mujoco_differences.words(data)
+    assert f"not decided by these seeds, paired difference {effect}, on fresh initial states" in told
+    data["suboptimality"].loc[{"step": last}] = 2.0
+    assert "no, paired difference 3.00 ± 0.00, on fresh initial states" in mujoco_differences.words(data)
 
 
 def test_a_damaged_result_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

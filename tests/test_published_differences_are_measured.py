@@ -13,7 +13,7 @@ from bridge_algos.run.world import build_oracle, build_world
 from experiments.published import ALGORITHMS
 from experiments.reproduce import configuration
 from experiments.studies.differences import _real_scores, _until_decided, compute, expert_conventions, words
-from experiments.studies.differences_report import agreeing_rounds, effect, total
+from experiments.studies.differences_report import agreeing_rounds_of, effect, total
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +49,7 @@ def test_effects_and_agreement_are_counted_right(data) -> None:
     difference = effect(data, "observed data matrix", "pbrl").mean
     totals = (total(data, name, "pbrl").mean for name in ("observed data matrix", "as documented"))
     assert difference == pytest.approx(next(totals) - next(totals))
-    regret, sizes = agreeing_rounds(data, "as documented", "pbrl")
+    regret, sizes = agreeing_rounds_of(data, "as documented", "pbrl")
     assert 0 <= regret <= 25
     assert 1 <= sizes <= 25  # the first round's 1024 is exact in both
 

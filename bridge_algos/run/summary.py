@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.stats
 import xarray as xr
+from numpy.typing import ArrayLike
 
 from bridge_algos.mdp import FloatArray
 
@@ -32,6 +33,16 @@ def mean_over_seeds(values: FloatArray, level: float = 0.95) -> tuple[FloatArray
     return mean, scipy.stats.t.ppf((1 + level) / 2, n - 1) * values.std(axis=0, ddof=1) / np.sqrt(n)
 
 
+def mean_of(values: ArrayLike) -> Mean:
+    """The mean of one number a seed, with its interval.
+
+    >>> str(mean_of([1.0, 2.0, 3.0]))
+    '2.00 ± 2.48'
+    """
+    mean, half = mean_over_seeds(np.asarray(values))
+    return Mean(float(mean), float(half))
+
+
 def cumulative(results: xr.Dataset, variable: str, algorithm: str) -> FloatArray:
     """Cumulative sum over rounds of a per-round record, (seed, round)."""
     return np.asarray(results[variable].sel(algorithm=algorithm).transpose("seed", "round").cumsum("round"))
@@ -39,15 +50,12 @@ def cumulative(results: xr.Dataset, variable: str, algorithm: str) -> FloatArray
 
 def final(results: xr.Dataset, variable: str, algorithm: str) -> Mean:
     """Cumulative record after the last round, mean and 95 % half-width over seeds."""
-    mean, half = mean_over_seeds(cumulative(results, variable, algorithm)[:, -1])
-    return Mean(float(mean), float(half))
+    return mean_of(cumulative(results, variable, algorithm)[:, -1])
 
 
 def difference(results: xr.Dataset, variable: str, first: str, second: str) -> Mean:
     """Paired difference first - second of the final cumulative records: both ran on the same seeds."""
-    gap = cumulative(results, variable, first)[:, -1] - cumulative(results, variable, second)[:, -1]
-    mean, half = mean_over_seeds(gap)
-    return Mean(float(mean), float(half))
+    return mean_of(cumulative(results, variable, first)[:, -1] - cumulative(results, variable, second)[:, -1])
 
 
 def verdict(gap: Mean) -> str:
@@ -66,7 +74,7 @@ def table(results: xr.Dataset) -> str:
     rows = [("algorithm", "cum. suboptimality", *pseudo, "last |Pi_t|", *(["ms/round"] if timed else []))]
     for name in algorithms:
         own = results.sel(algorithm=name)
-        size = Mean(*(float(v) for v in mean_over_seeds(np.asarray(own.set_size[:, -1]))))
+        size = mean_of(own.set_size[:, -1])
         kinds = ["suboptimality"] if judged else ["suboptimality", "pseudo_regret"]
         regrets = [str(final(results, kind, name)) for kind in kinds]
         rows.append((name, *regrets, str(size), *([_milliseconds(own)] if timed else [])))
@@ -139,19 +147,18 @@ def continuous_lines(results: xr.Dataset) -> list[str]:
         return f"{float(results[name].mean()):.{digits}f}"
 
     rounds, algorithms = results.sizes["round"], [str(name) for name in results.algorithm.values]
+    held_out = average("held_out_likelihood") if bool(results.held_out_likelihood.notnull().all()) else "nothing"
     against_best, errors = [], []
     for name in algorithms:
         own = results.sel(algorithm=name)
-        total = np.asarray(own.suboptimality.sum("round") - rounds * own.best_candidate)
-        mean, half = (float(v) for v in mean_over_seeds(total))
-        against_best.append(f"{name} {Mean(mean, half)}")
+        against_best.append(f"{name} {mean_of(own.suboptimality.sum('round') - rounds * own.best_candidate)}")
         errors.append(f"{name} {float(own.cumulative_error[:, -1].mean()):.2f}")
     return [
         f"cumulative regret against the candidate that looked best to each: {', '.join(against_best)}",
         f"Monte-Carlo standard error of one seed's cumulative suboptimality: {', '.join(errors)}",
         f"return of the expert {average('expert_return')}, of the clone {average('clone_return')} (difference in a "
         f"seed to within a standard error of {average('clone_gap_error')}); log-likelihood of an action under the "
-        f"clone {average('likelihood')}, held out {average('held_out_likelihood')}",
+        f"clone {average('likelihood')}, held out {held_out}",
         f"offline set: {average('offline_set_count', 1)} candidates within {average('radius')} of the clone; the "
         f"expert is at {average('expert_distance')}, inside in {share(results, 'expert_in_ball')} of seeds; typical "
         f"error of a feature vector {average('feature_error', 3)}",

@@ -11,7 +11,7 @@ import xarray as xr
 from bridge_algos.mdp import FloatArray
 from bridge_algos.run.plots import STYLES, finish
 from bridge_algos.run.summary import Mean, mean_over_seeds
-from experiments.published import ALGORITHMS, published_curves
+from experiments.published import ALGORITHMS, agreeing_rounds, published_curves
 
 BASE = "as documented"
 SMALL = 100_000
@@ -37,15 +37,13 @@ def effect(data: xr.Dataset, variant: str, algorithm: str) -> Mean:
     return Mean(float(mean), float(half))
 
 
-def agreeing_rounds(data: xr.Dataset, variant: str, algorithm: str) -> tuple[int, int]:
-    """In how many rounds regret, and |Pi_t|, agree with the published means: the interval of the difference has 0."""
-    counts = []
-    for key, reading in QUANTITIES:
-        theirs = _published()[algorithm][key]
-        mean, half = mean_over_seeds(_values(data, variant, algorithm, reading))
-        gap = np.abs(mean - np.array(theirs["mean"]))
-        counts.append(int((gap <= np.hypot(half, theirs["ci95_half_width"]) + 1e-9).sum()))
-    return counts[0], counts[1]
+def agreeing_rounds_of(data: xr.Dataset, variant: str, algorithm: str) -> tuple[int, int]:
+    """In how many rounds regret, and |Pi_t|, agree with the published means."""
+    regret, size = (
+        agreeing_rounds(_values(data, variant, algorithm, reading), _published()[algorithm][key])
+        for key, reading in QUANTITIES
+    )
+    return regret, size
 
 
 def _table(data: xr.Dataset) -> list[str]:
@@ -68,9 +66,9 @@ def _table(data: xr.Dataset) -> list[str]:
             if np.isnan(_values(data, variant, name, "exact")).any():
                 row += f"{'-':>{width}}{'-':>17}{'-':>9}"
                 continue
-            rounds_agreeing = "{}/{}".format(*agreeing_rounds(data, variant, name))
+            agreeing = "{}/{}".format(*agreeing_rounds_of(data, variant, name))
             change = "" if variant == BASE else str(effect(data, variant, name))
-            row += f"{total(data, variant, name)!s:>{width}}{change:>17}{rounds_agreeing:>9}"
+            row += f"{total(data, variant, name)!s:>{width}}{change:>17}{agreeing:>9}"
         lines.append(row)
     lines += ["", "The documented settings read differently:"]
     for reading, label in (
@@ -91,7 +89,7 @@ def _remaining(data: xr.Dataset) -> list[str]:
         str(name) for name in data.variant.values if not np.isnan(np.asarray(data.exact.sel(variant=name))).any()
     ]
     agree = [name for name in complete if all(_agrees(total(data, name, a), a) for a in ALGORITHMS)]
-    scores = {name: sum(sum(agreeing_rounds(data, name, a)) for a in ALGORITHMS) for name in complete}
+    scores = {name: sum(sum(agreeing_rounds_of(data, name, a)) for a in ALGORITHMS) for name in complete}
     best = max(scores, key=lambda name: scores[name])
     everywhere = 4 * data.sizes["round"]
     lines = [

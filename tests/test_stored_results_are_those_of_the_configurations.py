@@ -1,16 +1,25 @@
 """What the repository stores of the long continuous runs was made with its configurations, and says what it said."""
 
 import json
+import re
 from importlib import import_module
 from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from bridge_algos.netcdf import load_dataset
+from bridge_algos.run.summary import difference, final
 from experiments.reproduce import configuration
+from experiments.studies import mujoco, mujoco_differences
 
-STORED = sorted((Path(__file__).parent.parent / "experiments" / "data").glob("*.nc"))
+ROOT = Path(__file__).parent.parent
+STORED = sorted((ROOT / "experiments" / "data").glob("*.nc"))
+
+
+def stored(name: str) -> xr.Dataset:
+    return load_dataset(ROOT / "experiments" / "data" / f"{name}.nc", "")
 
 
 def test_there_are_results_of_each_kind() -> None:
@@ -33,3 +42,44 @@ def test_stored_results(path: Path) -> None:
         seen = data.suboptimality_seen.sel(algorithm="bridge")
         assert float((regret - seen).mean()) > 0, "the rollouts that chose a policy flatter it"
     assert bool(np.isfinite(data.suboptimality.sel(algorithm="bridge")).all())
+
+
+def test_studies_that_share_settings_share_numbers() -> None:
+    """Whatever a study varies, its runs with the settings of figure 2 are those of figure 2, bit by bit."""
+    whole = stored("fig2-reacher")
+    part = whole.sel(algorithm=["bridge", "pbrl"])
+    radius, demonstrations = stored("ablation-reacher-radius"), stored("ablation-reacher-demonstrations")
+    embeddings, differences = stored("ablation-reacher-embeddings"), stored("published-differences-reacher")
+    pairs = {
+        "radius": (radius.sel(variation="0.65", algorithm="bridge"), whole.sel(algorithm="bridge")),
+        "radius, PbRL": (radius.sel(variation="0.3", algorithm=["pbrl", "bc"]), whole.sel(algorithm=["pbrl", "bc"])),
+        "demonstrations": (demonstrations.sel(variation="20"), whole),
+        "embedding": (embeddings.sel(variation="average_state_action", algorithm=["bridge", "pbrl"]), part),
+        "differences": (differences.isel(step=-1), part.sel(search="with-expert")),
+    }
+    for name, (own, same) in pairs.items():
+        for variable in ("suboptimality", "suboptimality_seen", "set_size"):
+            found = own[variable]
+            expected = same[variable].sel({dim: found[dim] for dim in found.dims})
+            np.testing.assert_array_equal(found.transpose(*expected.dims), expected, err_msg=f"{name}: {variable}")
+
+
+def test_the_readme_tells_the_stored_numbers() -> None:
+    text = " ".join((ROOT / "README.md").read_text().split())
+    reacher, ant = stored("fig2-reacher"), stored("fig2-ant-fewer-rollouts")
+    honest, included = (reacher.sel(search=name) for name in ("without-expert", "with-expert"))
+    steps = stored("published-differences-reacher")
+    last, first = (str(steps.step.values[index]) for index in (-1, 0))
+    for told in (
+        final(mujoco.as_published(reacher), "suboptimality", "bridge"),
+        *(final(included, "suboptimality", name) for name in ("bridge", "pbrl", "bc")),
+        final(honest, "suboptimality", "bridge"),
+        mujoco_differences.effect(steps, first, last, "bridge", "published"),
+        difference(ant.sel(search="with-expert"), "suboptimality", "bridge", "pbrl"),
+    ):
+        assert f"{told.mean:.0f} ± {told.half_width:.0f}" in text
+    assert f"({float(ant.feature_error.mean()):.2f})" in text
+    outside = int((1 - ant.expert_in_ball.sel(search="with-expert")).sum())
+    assert f"in {outside} of {ant.sizes['seed']} seeds" in text
+    words = mujoco.words(reacher)
+    assert re.findall(r"agreement in (\d+) of 200 rounds", words) == ["37", "179", "200", "186"]

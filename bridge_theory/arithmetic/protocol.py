@@ -10,7 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 Value: TypeAlias = Any
-"""A float64 scalar or array, a SymPy expression, or an ``arb`` ball: whatever the arithmetic at hand computes with."""
+"""Whatever the arithmetic at hand computes with: a float64 scalar or array, a SymPy expression, or an ``arb`` ball,
+which mixes with exact rationals."""
 
 FloatArray: TypeAlias = npt.NDArray[np.float64]
 

@@ -9,7 +9,8 @@ from proofs_checks.outcome import Outcome, Tally
 
 
 def _weights_vanish(sp: Any, T: Any, order: Any) -> Any:
-    # one state, two actions, B = 1/2, delta = 1/20, W = 1/sqrt(T): the regret is WT/2 and 4 <= kappa <= 5
+    # one state, two actions, n = 22, B = 1/2, delta = 1/20, lambda = 1/8, W = 1/sqrt(T): 4 <= kappa <= 5. Both actions
+    # stay for all T, as gamma_t >= 4 kappa sqrt(log 20) > 27 and 2W sqrt(kappa lambda + T) < 3: the regret is WT/2
     return T / 2 / ((sp.sqrt(sp.Rational(5, 2)) + sp.Rational(1, 2)) * sp.log(5 * T / 2) * sp.sqrt(order))
 
 

@@ -9,7 +9,8 @@ time stand beside them, as these depend less on what else is running.
 - "Step by step": ``env.step`` of ``gymnasium.make`` in a Python loop, the policy a torch module that is asked for one
   state at a time.
 - "Batched": this package's ``candidate_features`` on two threads.
-- "Raw limit": ``mj_step`` alone on two threads, driven through the very trajectories of the batched way.
+- "Raw limit": ``mj_step`` alone on two threads, driven through the very trajectories of the batched way, by a call from
+  Python for each environment step (which took 8 % of it on Reacher and 2 % on Ant when it was measured).
 """
 
 from __future__ import annotations

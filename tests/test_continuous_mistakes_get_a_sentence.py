@@ -67,10 +67,12 @@ def test_watch_refuses_what_it_cannot_show(tmp_path: Path, capsys: pytest.Captur
     assert "has no pictures" in answer(capsys, "watch", str(tmp_path))
 
 
+@pytest.mark.parametrize("probe", ["raise SystemExit(1)", "import time; time.sleep(60)"])
 def test_watch_says_when_nothing_can_render(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+    probe: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    monkeypatch.setattr(watch, "_PROBE", "raise SystemExit(1)")
+    monkeypatch.setattr(watch, "_PROBE", probe)
+    monkeypatch.setattr(watch, "PATIENCE", 0.5)
     monkeypatch.chdir(tmp_path)
     assert "MuJoCo can render off screen with none of" in answer(capsys, "watch", "reacher")
     assert list(tmp_path.iterdir()) == []

@@ -19,6 +19,8 @@ from bridge_theory.cli.options import Parser
 from bridge_theory.errors import ComputationError, InputError
 
 BACKENDS = ("egl", "osmesa", "glfw")
+PATIENCE = 60.0
+"""Seconds that a renderer has to draw one picture."""
 PANEL = 240
 CAPTION = 34
 _CAMERAS = {"Reacher-v5": {"trackbodyid": 0, "distance": 0.62, "elevation": -90.0, "azimuth": 90.0}}
@@ -67,11 +69,14 @@ def main(argv: list[str]) -> int:
 def working_backend() -> str | None:
     """Which off-screen renderer works: the one that ``MUJOCO_GL`` names, or the first of ``BACKENDS``, if any.
 
-    Each is tried in a process of its own, since a broken driver can end a process.
+    Each is tried in a process of its own, since a broken driver can end a process or never answer.
     """
     for backend in _tried():
-        environment = {**os.environ, "MUJOCO_GL": backend}
-        tried = subprocess.run([sys.executable, "-c", _PROBE], env=environment, capture_output=True, timeout=60)
+        environment, command = {**os.environ, "MUJOCO_GL": backend}, [sys.executable, "-c", _PROBE]
+        try:
+            tried = subprocess.run(command, env=environment, capture_output=True, timeout=PATIENCE)
+        except subprocess.TimeoutExpired:
+            continue
         if tried.returncode == 0:
             return backend
     return None

@@ -27,7 +27,9 @@ def choose_pair(
     Args:
         rule: ``"uncertainty_and_bonus"`` maximises gamma ||z_i - z_j|| + b_i + b_j (algo:main line 7);
             ``"max_uncertainty"`` maximises ||z_i - z_j|| (algo:main_known); ``"ucb"`` plays the greedy policy against
-            the one with the largest optimistic advantage; ``"greedy_vs_random"`` plays it against a uniform other one.
+            the one with the largest optimistic advantage (the paper's appendix "Continuous implementation" maximises
+            s_i - s_j + beta ||z_i - z_j|| over all pairs instead); ``"greedy_vs_random"`` plays it against a
+            uniform other one.
         kept: (N,) booleans, Pi_t; at least one is true.
         scores, z, bonus: (N,), (N, d), (N,) of all candidates.
         gamma: multiplier of the norm.

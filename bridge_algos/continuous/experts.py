@@ -40,7 +40,10 @@ def load_expert(source: str | Path, environment: Environment) -> MlpPolicy:
         )
     else:
         known = ", ".join(SHIPPED)
-        raise InputError(f"there is no expert {str(source)!r}; expected {known}, a .safetensors file or an SB3 .zip.")
+        raise InputError(
+            f"there is no expert {str(source)!r}; give one of {known}, or your own .safetensors file or SB3 .zip, by "
+            "--expert."
+        )
     sizes = (policy.observation_size, policy.action_size)
     expected = (environment.observation_size, environment.action_size)
     if sizes != expected:

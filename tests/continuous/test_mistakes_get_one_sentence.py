@@ -94,7 +94,7 @@ def test_importing_rollouts_is_light():
         ),
         (["train", "reacher", "--seed", "-1"], "--seed is -1, expected at least 0"),
         (["evaluate", "reacher", "--expert", "nowhere.safetensors"], "nowhere.safetensors does not exist"),
-        (["evaluate", "Hopper-v5"], "there is no expert 'Hopper-v5'"),
+        (["evaluate", "Hopper-v5"], "your own .safetensors file or SB3 .zip, by --expert"),
         (["demonstrate", "reacher"], "--out"),
         (["demonstrate", "reacher", "--out", "no version", "--n", "1"], "the dataset id is 'no version'"),
         ([], "action"),

@@ -83,7 +83,12 @@ def test_regret_is_judged_on_fresh_starts_and_also_read_as_published(tmp_path: P
     result, stage = run_seed(TINY, 1, cache=None), offline_stage(TINY, 1, cache=None)
     returns = stage.features.returns.mean(axis=1)
     fresh = draw_starts(stage.environment, TINY.rollouts, stream(1, "judge"))
-    assert not np.isin(fresh.seeds, draw_starts(stage.environment, TINY.rollouts, stream(1, "starts")).seeds).any()
+    sources = stream(1, "starts").spawn(len(stage.candidates))
+    for candidate, policy in enumerate(stage.candidates):
+        own = draw_starts(stage.environment, TINY.rollouts, sources[candidate])
+        seen = rollout(stage.environment, policy, own, horizon=TINY.horizon).returns
+        np.testing.assert_array_equal(seen, stage.features.returns[candidate])
+        assert not np.isin(fresh.seeds, own.seeds).any(), "a start that made features also judges"
 
     def judged(index: int) -> float:
         return float(rollout(stage.environment, stage.candidates[index], fresh, horizon=TINY.horizon).returns.mean())

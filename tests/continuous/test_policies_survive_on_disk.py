@@ -174,7 +174,9 @@ def test_mistakes_get_one_sentence(reacher, tmp_path):
         r"'reacher' takes 10 observations and gives 2 actions, expected 105 and 8": lambda: load_expert(
             "reacher", make_environment("ant")
         ),
-        r"there is no expert 'walker'; give one of reacher, reacher-zoo, ant, or your own": lambda: load_expert("walker", reacher),
+        r"there is no expert 'walker'; give one of reacher, reacher-zoo, ant, or your own": lambda: load_expert(
+            "walker", reacher
+        ),
         r"nowhere\.safetensors does not exist": lambda: load_expert("nowhere.safetensors", reacher),
         r"nowhere\.zip does not exist": lambda: load_expert("nowhere.zip", reacher),
         r"expected a name that ends in '\.safetensors'": lambda: save_policy("p.npz", policy, {}),

@@ -16,6 +16,8 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+import xarray as xr
+
 from bridge_algos.files import atomic_write_text
 from bridge_algos.netcdf import save_dataset
 from bridge_algos.run import plots
@@ -85,12 +87,18 @@ def reproduce(name: str, described: dict[str, Any], directory: Path, jobs: int) 
         "settings": json.dumps(settings, sort_keys=True),
     }
     save_dataset(directory / DATA, data)
-    text = f"{title}\n\n{study.words(data)}\n"
+    text = told(data)
     atomic_write_text(directory / f"{name}.txt", text)
     paths = []
     for suffix, picture in study.figures(data).items():
         paths += plots.save(picture, directory / (f"{name}-{suffix}" if suffix else name))
     return f"{text}\nfigures: {', '.join(str(path) for path in paths)}"
+
+
+def told(data: xr.Dataset) -> str:
+    """The text of a result, with its title."""
+    study = importlib.import_module(f"experiments.studies.{data.attrs['study']}")
+    return f"{data.attrs['title']}\n\n{study.words(data)}\n"
 
 
 def _described(name: str) -> dict[str, Any]:

@@ -2,7 +2,6 @@
 
 import json
 import re
-from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +10,7 @@ import xarray as xr
 
 from bridge_algos.netcdf import load_dataset
 from bridge_algos.run.summary import difference, final
-from experiments.reproduce import configuration
+from experiments.reproduce import configuration, told
 from experiments.studies import mujoco, mujoco_differences
 
 ROOT = Path(__file__).parent.parent
@@ -35,8 +34,8 @@ def test_stored_results(path: Path) -> None:
     assert settings | {"seeds": 0} == described["settings"] | {"seeds": 0}
     assert data.attrs["title"] == described["title"]
     assert path.stat().st_size < 1_000_000
-    study = import_module(f"experiments.studies.{described['study']}")
-    assert str(data.sizes["seed"]) in study.words(data)
+    assert path.with_suffix(".txt").read_text() == told(data), "store the text that reproduce writes beside the data"
+    assert f"{data.sizes['seed']} seeds" in told(data)
     if path.stem.startswith("fig2"):
         regret = data.suboptimality.sel(algorithm="bridge")
         seen = data.suboptimality_seen.sel(algorithm="bridge")
@@ -70,14 +69,14 @@ def test_the_readme_tells_the_stored_numbers() -> None:
     honest, included = (reacher.sel(search=name) for name in ("without-expert", "with-expert"))
     steps = stored("published-differences-reacher")
     last, first = (str(steps.step.values[index]) for index in (-1, 0))
-    for told in (
+    for number in (
         final(mujoco.as_published(reacher), "suboptimality", "bridge"),
         *(final(included, "suboptimality", name) for name in ("bridge", "pbrl", "bc")),
         final(honest, "suboptimality", "bridge"),
         mujoco_differences.effect(steps, first, last, "bridge", "published"),
         difference(ant.sel(search="with-expert"), "suboptimality", "bridge", "pbrl"),
     ):
-        assert f"{told.mean:.0f} ± {told.half_width:.0f}" in text
+        assert f"{number.mean:.0f} ± {number.half_width:.0f}" in text
     assert f"({float(ant.feature_error.mean()):.2f})" in text
     outside = int((1 - ant.expert_in_ball.sel(search="with-expert")).sum())
     assert f"in {outside} of {ant.sizes['seed']} seeds" in text

@@ -15,13 +15,17 @@ from bridge_algos.mdp import FloatArray
 
 @dataclass(frozen=True)
 class Mean:
-    """A mean over seeds with the half-width of its 95 % Student interval (infinite for one seed)."""
+    """A mean over seeds with the half-width of its 95 % Student interval (infinite for one seed).
+
+    >>> str(Mean(-1e-12, 0.0))
+    '0.00 ± 0.00'
+    """
 
     mean: float
     half_width: float
 
     def __str__(self) -> str:
-        return f"{self.mean:.2f} ± {self.half_width:.2f}" if np.isfinite(self.half_width) else f"{self.mean:.2f}"
+        return f"{self.mean:z.2f} ± {self.half_width:.2f}" if np.isfinite(self.half_width) else f"{self.mean:z.2f}"
 
 
 def mean_over_seeds(values: FloatArray, level: float = 0.95) -> tuple[FloatArray, FloatArray]:

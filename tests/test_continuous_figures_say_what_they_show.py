@@ -97,6 +97,9 @@ def test_words_name_the_expert_and_what_differs_from_the_published_runs() -> Non
     assert "same settings" not in text
     text = mujoco.words(synthetic(reacher, 3))
     assert "expert: reacher-zoo" in text
+    assert "held out 1.00" in text
+    none = synthetic(reacher, 3)
+    assert "held out nothing" in mujoco.words(none.assign(held_out_likelihood=np.nan * none.held_out_likelihood))
     assert "trained with the same settings" in text
     assert "from 200 rollouts, as all candidates do, theirs from 1000" in text
 

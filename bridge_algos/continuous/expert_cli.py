@@ -151,7 +151,8 @@ def _demonstrate(options: argparse.Namespace, argv: Sequence[str]) -> None:
 
 
 def _sentence(result: dict[str, Any]) -> str:
+    error = f" ± {1.96 * result['standard_error']:.2f} (95 %)" if result["episodes"] > 1 else ""
     return (
-        f"mean return {result['return']:.2f} ± {1.96 * result['standard_error']:.2f} (95 %) over {result['episodes']} "
-        f"episodes of {result['horizon']} steps; {result['terminated']} ended early"
+        f"mean return {result['return']:.2f}{error} over {result['episodes']} episodes of {result['horizon']} steps; "
+        f"{result['terminated']} ended early"
     )

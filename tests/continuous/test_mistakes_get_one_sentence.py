@@ -1,6 +1,7 @@
 """Bad environments, horizons, policies and options get one sentence each; the command line trains and demonstrates."""
 
 import json
+import re
 import subprocess
 import sys
 
@@ -115,6 +116,8 @@ def test_an_expert_is_trained_evaluated_and_demonstrates(tmp_path, capsys):
     assert (card["seed"], card["settings"]["iterations"], card["environment"]) == (0, 1, "Reacher-v5")
     assert main(["expert", "evaluate", "reacher", "--expert", str(out), "--episodes", "20", "--sampled"]) == 0
     assert "over 20 episodes of 50 steps; 0 ended early" in capsys.readouterr().out
+    assert main(["expert", "evaluate", "reacher", "--expert", str(out), "--episodes", "1"]) == 0
+    assert re.fullmatch(r"mean return -\d+\.\d\d over 1 episodes of 50 steps; 0 ended early\n", capsys.readouterr().out)
     demonstrate = ["expert", "demonstrate", "reacher", "--expert", str(out), "--n", "4", "--seed", "3"]
     assert main([*demonstrate, "--out", str(tmp_path / "d.npz")]) == 0
     assert len(load_episodes(tmp_path / "d.npz").checked(make_environment("reacher"))) == 4

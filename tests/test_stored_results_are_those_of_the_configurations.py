@@ -23,7 +23,7 @@ def stored(name: str) -> xr.Dataset:
 
 def test_there_are_results_of_each_kind() -> None:
     varied = {f"ablation-reacher-{name}" for name in ("radius", "demonstrations", "embeddings")}
-    assert {path.stem for path in STORED} >= {"fig2-reacher", "fig2-ant-fewer-rollouts", *varied}
+    assert {path.stem for path in STORED} >= {"fig2-reacher", "fig2-ant", "fig2-ant-fewer-rollouts", *varied}
 
 
 @pytest.mark.parametrize("path", STORED, ids=lambda path: path.stem)
@@ -65,7 +65,7 @@ def test_studies_that_share_settings_share_numbers() -> None:
 
 def test_the_readme_tells_the_stored_numbers() -> None:
     text = " ".join((ROOT / "README.md").read_text().split())
-    reacher, ant = stored("fig2-reacher"), stored("fig2-ant-fewer-rollouts")
+    reacher, ant, fewer = (stored(name) for name in ("fig2-reacher", "fig2-ant", "fig2-ant-fewer-rollouts"))
     honest, included = (reacher.sel(search=name) for name in ("without-expert", "with-expert"))
     steps = stored("published-differences-reacher")
     last, first = (str(steps.step.values[index]) for index in (-1, 0))
@@ -74,11 +74,16 @@ def test_the_readme_tells_the_stored_numbers() -> None:
         *(final(included, "suboptimality", name) for name in ("bridge", "pbrl", "bc")),
         final(honest, "suboptimality", "bridge"),
         mujoco_differences.effect(steps, first, last, "bridge", "published"),
-        difference(ant.sel(search="with-expert"), "suboptimality", "bridge", "pbrl"),
+        *(final(ant.sel(search="without-expert"), "suboptimality", name) for name in ("bridge", "pbrl", "bc")),
+        final(ant.sel(search="with-expert"), "suboptimality", "bridge"),
+        difference(fewer.sel(search="with-expert"), "suboptimality", "bridge", "pbrl"),
     ):
         assert f"{number.mean:.0f} ± {number.half_width:.0f}" in text
-    assert f"({float(ant.feature_error.mean()):.2f})" in text
-    outside = int((1 - ant.expert_in_ball.sel(search="with-expert")).sum())
-    assert f"in {outside} of {ant.sizes['seed']} seeds" in text
+    assert f"({float(fewer.feature_error.mean()):.2f})" in text
+    included, inside = ant.sel(search="with-expert"), ant.expert_in_ball.sel(search="with-expert") == 1
+    assert f"outside in {int((~inside).sum())} of {ant.sizes['seed']} seeds" in text
+    regret = included.suboptimality
+    assert bool((regret.sel(algorithm="pbrl") == 0).all()), "from the first answers on PbRL plays the expert"
+    assert bool(((regret.sel(algorithm="bridge") == 0).all("round") == inside).all()), "BRIDGE does where it can"
     words = mujoco.words(reacher)
     assert re.findall(r"agreement in (\d+) of 200 rounds", words) == ["37", "179", "200", "186"]

@@ -37,13 +37,13 @@ def mean_over_seeds(values: FloatArray, level: float = 0.95) -> tuple[FloatArray
     return mean, scipy.stats.t.ppf((1 + level) / 2, n - 1) * values.std(axis=0, ddof=1) / np.sqrt(n)
 
 
-def mean_of(values: ArrayLike) -> Mean:
-    """The mean of one number a seed, with its interval.
+def mean_of(values: ArrayLike, level: float = 0.95) -> Mean:
+    """The mean of one number a seed, with its interval of another level where asked for.
 
     >>> str(mean_of([1.0, 2.0, 3.0]))
     '2.00 ± 2.48'
     """
-    mean, half = mean_over_seeds(np.asarray(values))
+    mean, half = mean_over_seeds(np.asarray(values), level)
     return Mean(float(mean), float(half))
 
 

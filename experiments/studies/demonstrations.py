@@ -17,7 +17,7 @@ import xarray as xr
 from bridge_algos.mdp import FloatArray
 from bridge_algos.run.config import preset
 from bridge_algos.run.plots import STYLES, finish
-from bridge_algos.run.summary import Mean, mean_over_seeds, verdict
+from bridge_algos.run.summary import Mean, mean_of, mean_over_seeds, verdict
 from bridge_algos.run.world import build_world
 from bridge_theory.bound import Bound
 from bridge_theory.cli.table import text_table
@@ -290,9 +290,7 @@ def _plan_lines(data: xr.Dataset, settings: dict[str, Any], algorithms: list[str
 
 
 def _last(data: xr.Dataset, measure: str, algorithm: str, n: int) -> Mean:
-    values = np.asarray(data[measure].sel(algorithm=algorithm, n=n).isel(round=-1))
-    mean, half = mean_over_seeds(values)
-    return Mean(float(mean), float(half))
+    return mean_of(data[measure].sel(algorithm=algorithm, n=n).isel(round=-1))
 
 
 def _lower(first: xr.DataArray, second: xr.DataArray, paired: bool = True) -> str:

@@ -10,7 +10,7 @@ import xarray as xr
 
 from bridge_algos.mdp import FloatArray
 from bridge_algos.run.plots import STYLES, finish
-from bridge_algos.run.summary import Mean, mean_over_seeds
+from bridge_algos.run.summary import Mean, mean_of, mean_over_seeds
 from experiments.published import ALGORITHMS, agreeing_rounds, published_curves
 
 BASE = "as documented"
@@ -26,15 +26,13 @@ def report(data: xr.Dataset) -> str:
 
 def total(data: xr.Dataset, variant: str, algorithm: str, reading: str = "exact") -> Mean:
     """Cumulative suboptimality after the last round, over seeds."""
-    mean, half = mean_over_seeds(_values(data, variant, algorithm, reading).sum(axis=1))
-    return Mean(float(mean), float(half))
+    return mean_of(_values(data, variant, algorithm, reading).sum(axis=1))
 
 
 def effect(data: xr.Dataset, variant: str, algorithm: str) -> Mean:
     """A variant's total less that of the documented settings, paired by seed."""
     ours = (_values(data, name, algorithm, "exact").sum(axis=1) for name in (variant, BASE))
-    mean, half = mean_over_seeds(next(ours) - next(ours))
-    return Mean(float(mean), float(half))
+    return mean_of(next(ours) - next(ours))
 
 
 def agreeing_rounds_of(data: xr.Dataset, variant: str, algorithm: str) -> tuple[int, int]:

@@ -19,7 +19,7 @@ from bridge_algos.mdp import FloatArray
 from bridge_algos.online.oracles import ReturnOracle
 from bridge_algos.run.config import RunConfig
 from bridge_algos.run.plots import STYLES, finish
-from bridge_algos.run.summary import Mean, mean_over_seeds, verdict
+from bridge_algos.run.summary import mean_of, mean_over_seeds, verdict
 from bridge_theory.cli.table import text_table
 from bridge_theory.errors import InputError
 from experiments.cells import Cell, run_cells
@@ -180,7 +180,7 @@ def words(data: xr.Dataset) -> str:
     seeds, config = data.sizes["seed"], configured(settings)
     base = data.isel(cell=int(np.flatnonzero(data.factor.values == PRESET)[0]))
     drawn = "each with its own environment, " if settings.get("fresh") else ""
-    regrets = ", ".join(f"{STYLES[n]['label']} {_mean(base.regret.sel(algorithm=n))}" for n in algorithms)
+    regrets = ", ".join(f"{STYLES[n]['label']} {mean_of(base.regret.sel(algorithm=n))}" for n in algorithms)
     lines = [
         f"{config.environment}, {settings['preset']} preset, {config.rounds} rounds, {seeds} seeds, {drawn}"
         "95 % intervals (Clopper-Pearson for shares)",
@@ -204,7 +204,7 @@ def _table(data: xr.Dataset, base: xr.Dataset, factor: str) -> str:
         row = [_short(value), share_text(here.out_of_offline_set), share_text(here.ruled_out.sel(algorithm="bridge"))]
         for name in algorithms:
             regret = here.regret.sel(algorithm=name)
-            row += [str(_mean(regret)), str(_mean(regret - base.regret.sel(algorithm=name)))]
+            row += [str(mean_of(regret)), str(mean_of(regret - base.regret.sel(algorithm=name)))]
         rows.append(row)
     regrets = [text for n in algorithms for text in (f"regret {STYLES[n]['label']}", "less the preset's")]
     return text_table(("value", "not in offline set", "ruled out of Pi_t", *regrets), rows)
@@ -218,17 +218,12 @@ def _summary(data: xr.Dataset, base: xr.Dataset) -> str:
         own = series(data, factor)
         moved: dict[str, list[str]] = {"lowers": [], "raises": []}
         for i, value in enumerate(own.value.values):
-            gap = _mean(own.isel(cell=i).regret.sel(algorithm="bridge") - base.regret.sel(algorithm="bridge"), level)
+            gap = mean_of(own.isel(cell=i).regret.sel(algorithm="bridge") - base.regret.sel(algorithm="bridge"), level)
             if verdict(gap) in ("yes", "no") and gap.mean != 0:
                 moved["lowers" if verdict(gap) == "yes" else "raises"].append(_short(value))
         found = [f"{way} BRIDGE's regret at {', '.join(values)}" for way, values in moved.items() if values]
         sentences.append(f"{factor}: {'; '.join(found) or 'no change of the regret of BRIDGE decided by these seeds'}")
     return "decided at 95 % over all values together (Bonferroni):\n  " + "\n  ".join(sentences)
-
-
-def _mean(values: xr.DataArray, level: float = 0.95) -> Mean:
-    mean, half = mean_over_seeds(np.asarray(values), level)
-    return Mean(float(mean), float(half))
 
 
 def _short(value: float) -> str:

@@ -36,6 +36,8 @@ def test_filter_and_pair_equal_all_pairs(seed: int, n: int, d: int, gamma: float
     np.testing.assert_array_equal(surviving(scores + bonus, scores - bonus, z, gamma), kept)
     first, second = widest_pair(z, gamma, bonus)
     assert objective[first, second] == pytest.approx(objective.max(), abs=1e-7)
+    optimism = objective + scores[:, None] - scores
+    assert optimism[widest_pair(z, gamma, bonus, scores)] == pytest.approx(optimism.max(), abs=1e-7)
 
 
 def test_challengers_may_be_others(rng: np.random.Generator) -> None:
@@ -75,8 +77,8 @@ def test_pair_rules_do_what_they_say(rng: np.random.Generator) -> None:
     inside = np.ix_(members, members)
     assert objective[pair("uncertainty_and_bonus")] == pytest.approx(objective[inside].max())
     assert norms[pair("max_uncertainty")] == pytest.approx(norms[inside].max())
-    optimistic = scores[members] + 0.3 * norms[greedy][members] + bonus[members]
-    assert pair("ucb") == (greedy, members[optimistic.argmax()])
+    optimism = objective + scores[:, None] - scores
+    assert optimism[pair("ucb")] == pytest.approx(optimism[inside].max())
     first, second = pair("greedy_vs_random")
     assert first == greedy
     assert kept[second]

@@ -91,8 +91,8 @@ def test_replay(rule: str) -> None:
         if rule == "max_uncertainty":
             assert width[first, second] == pytest.approx(width[np.ix_(kept, kept)].max(), rel=1e-7)
         elif rule == "ucb":
-            assert first == scores.argmax()
-            assert second == (scores + GAMMA * width[first]).argmax()
+            optimism = (table.phi @ current)[:, None] - table.phi @ current + GAMMA * width
+            assert optimism[first, second] == pytest.approx(optimism[np.ix_(kept, kept)].max(), rel=1e-7)
         else:
             others = np.delete(np.flatnonzero(kept), int(scores[kept].argmax()))
             assert first == scores.argmax()

@@ -23,12 +23,13 @@ def test_ties_are_decided_alike_whatever_the_rounding(seed: int, n: int, with_bo
     z = rng.normal(size=(n, 4))[copies]
     bonus, scores = with_bonus * 0.1 * rng.random(n)[copies], rng.normal(size=n)[copies]
 
-    def choices(size: float) -> tuple[int, tuple[int, int], list[bool]]:
+    def choices(size: float) -> tuple[int, tuple[int, int], tuple[int, int], list[bool]]:
         def noisy(values: np.ndarray) -> np.ndarray:
             return values + size * rng.uniform(-1, 1, values.shape)
 
         points, b, s = noisy(z), noisy(bonus), noisy(scores)
-        return first_best(s), widest_pair(points, 0.3, b), surviving(s + b, s - b, points, 0.3).tolist()
+        kept = surviving(s + b, s - b, points, 0.3).tolist()
+        return first_best(s), widest_pair(points, 0.3, b), widest_pair(points, 0.3, b, s), kept
 
     exactly = choices(0.0)
     for _ in range(5):

@@ -26,10 +26,9 @@ def choose_pair(
 
     Args:
         rule: ``"uncertainty_and_bonus"`` maximises gamma ||z_i - z_j|| + b_i + b_j (algo:main line 7);
-            ``"max_uncertainty"`` maximises ||z_i - z_j|| (algo:main_known); ``"ucb"`` plays the greedy policy against
-            the one with the largest optimistic advantage (the paper's appendix "Continuous implementation" maximises
-            s_i - s_j + beta ||z_i - z_j|| over all pairs instead); ``"greedy_vs_random"`` plays it against a
-            uniform other one.
+            ``"max_uncertainty"`` maximises ||z_i - z_j|| (algo:main_known); ``"ucb"`` maximises s_i - s_j +
+            gamma ||z_i - z_j|| + b_i + b_j and ``"greedy_vs_random"`` plays the greedy policy against a uniform other
+            one (the paper's appendix "Continuous implementation", where there are no bonuses and gamma is beta).
         kept: (N,) booleans, Pi_t; at least one is true.
         scores, z, bonus: (N,), (N, d), (N,) of all candidates.
         gamma: multiplier of the norm.
@@ -37,14 +36,14 @@ def choose_pair(
     """
     members = np.flatnonzero(kept)
     s, points, b = scores[members], z[members], bonus[members]
-    greedy = first_best(s)
     if rule == "uncertainty_and_bonus":
         first, second = widest_pair(points, gamma, b)
     elif rule == "max_uncertainty":
         first, second = widest_pair(points, 1.0, np.zeros(len(b)))
     elif rule == "ucb":
-        first, second = greedy, first_best(s + gamma * np.linalg.norm(points - points[greedy], axis=1) + b)
+        first, second = widest_pair(points, gamma, b, s)
     elif rule == "greedy_vs_random":
+        greedy = first_best(s)
         others = np.delete(np.arange(len(members)), greedy)
         first, second = greedy, int(rng.choice(others)) if len(others) else greedy
     else:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from bridge_algos.mdp import FloatArray
+from bridge_algos.mdp import FloatArray, IntArray
 from bridge_algos.online.cholesky import inverse_root
 from bridge_algos.shapes import DataMatrix, Features, Kept, PerChallenger, PerPolicy
 
@@ -90,31 +90,41 @@ def first_best(values: PerPolicy) -> int:
     return int((values >= largest - TIE * (1 + abs(largest))).argmax())
 
 
-def widest_pair(z: Features, gamma: float, bonus: PerPolicy) -> tuple[int, int]:
-    r"""The pair maximising :math:`\gamma \|z_i - z_j\| + b_i + b_j` (algo:main line 7), to rounding.
+def widest_pair(z: Features, gamma: float, bonus: PerPolicy, scores: PerPolicy | None = None) -> tuple[int, int]:
+    r"""The pair (i, j) maximising :math:`\gamma \|z_i - z_j\| + b_i + b_j` (algo:main line 7), to rounding.
 
-    A triangle inequality through the mean bounds each pair by u_i + u_j with u = gamma ||z - mean|| + b; tiles of the
-    order by falling u are skipped once that bound cannot beat the best pair found. Values that agree to rounding count
-    as equal, and the first in that order wins.
+    With scores s the objective is :math:`s_i - s_j` more. A triangle inequality through the mean bounds each pair by
+    u_i + v_j with u = gamma ||z - mean|| + b + s and v likewise with -s; tiles of the orders by falling u and v are
+    skipped once that bound cannot beat the best pair found. Values that agree to rounding count as equal, and the first
+    in these orders wins.
     """
     away = z - np.add.reduce(z) / len(z)
     squares = np.vecdot(away, away)
-    reach = gamma * np.sqrt(squares) + bonus
-    slack = TIE * (1 + float(reach.max()))
-    order = np.argsort(-np.rint(reach / slack), kind="stable")
+    centred = 0.0 if scores is None else scores - scores.mean()
+    ahead, behind = bonus + centred, bonus - centred
+    reach = gamma * np.sqrt(squares)
+    slack = TIE * (1 + float(np.maximum(reach + ahead, reach + behind).max()))
+    firsts, u = _falling(reach + ahead, slack)
+    seconds, v = (firsts, u) if scores is None else _falling(reach + behind, slack)
     best, pair = -np.inf, (0, 0)
-    for start in range(0, len(order), TILE):
-        rows = order[start : start + TILE]
-        if reach[rows[0]] + reach[order[0]] + 3 * slack < best:
+    for start in range(0, len(z), TILE):
+        rows = seconds[start : start + TILE]
+        if v[start] + u[0] + 3 * slack < best:
             break
-        for other in range(0, start + 1, TILE):
-            columns = order[other : other + TILE]
-            if reach[rows[0]] + reach[columns[0]] + 3 * slack < best:
+        for other in range(0, start + 1 if scores is None else len(z), TILE):  # without scores (j, i) is as good
+            columns = firsts[other : other + TILE]
+            if v[start] + u[other] + 3 * slack < best:
                 break
             squared = squares[rows, None] + squares[columns] - 2 * (away[rows] @ away[columns].T)
-            values = gamma * np.sqrt(np.maximum(squared, 0)) + bonus[rows, None] + bonus[columns]
+            values = gamma * np.sqrt(np.maximum(squared, 0)) + behind[rows, None] + ahead[columns]
             largest = float(values.max())
             if largest > best + slack:
                 i, j = divmod(int((values >= largest - slack).argmax()), len(columns))
                 best, pair = largest, (int(columns[j]), int(rows[i]))
     return pair
+
+
+def _falling(values: PerPolicy, slack: float) -> tuple[IntArray, PerPolicy]:
+    """Indices by falling values, equal to within the slack by index, and the values in that order."""
+    order = np.argsort(-np.rint(values / slack), kind="stable")
+    return order, values[order]

@@ -244,6 +244,21 @@ def test_every_mutation_is_rejected(name: str) -> None:
     assert sum(found == "rejected" for found in tried.values()) > 100
 
 
+def test_the_order_of_an_optimistic_pair_is_checked() -> None:
+    """Only ``ucb`` tells the first policy of a pair from the second, by their scores."""
+    changes = {"pair_rule": "ucb", "confidence": "fixed", "gamma": 0.3}
+    config = preset("theory", "starmdp").but(rounds=ROUNDS, algorithms=("bridge-known",), **changes)
+    log = logged_seed(config, build_world(config), 1)[1]
+    assert verdict(log) == "accepted"
+    arrays = dict(log.arrays)
+    for name in ("pairs", "states", "actions", "bonus"):
+        arrays[f"bridge-known/{name}"] = log.arrays[f"bridge-known/{name}"].copy()
+        arrays[f"bridge-known/{name}"][-1] = log.arrays[f"bridge-known/{name}"][-1][::-1]
+    arrays["bridge-known/outcomes"] = log.arrays["bridge-known/outcomes"].copy()
+    arrays["bridge-known/outcomes"][-1] = 1 - log.arrays["bridge-known/outcomes"][-1]
+    assert verdict(RunLog(log.header, arrays)) == "rejected"
+
+
 def test_the_reason_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     algorithm, log = honest("known")
     forged = edited(log, f"{algorithm}/w", lambda a: a.__setitem__(2, a[2] / 2))

@@ -99,7 +99,6 @@ class Replay:
         if not inside.any():
             return
         first, second = pair
-        greedy = float(scores[inside].max())
         distance = float(np.linalg.norm(z[first] - z[second]))
         if rule == "uncertainty_and_bonus":
             best, value = widest(z[inside], gamma, bonus[inside]), gamma * distance + bonus[first] + bonus[second]
@@ -107,12 +106,10 @@ class Replay:
             best, value = widest(z[inside], 1.0, np.zeros(int(inside.sum()))), distance
             allowance = np.sqrt(64 * (z.shape[1] + 4) * UNIT) * reach + 1e-12
         elif rule == "ucb":
-            optimism = scores + gamma * np.linalg.norm(z - z[first], axis=1) + bonus
-            best, value = float(optimism[inside].max()), float(optimism[second])
+            best = widest(z[inside], gamma, bonus[inside], scores[inside])
+            value = scores[first] - scores[second] + gamma * distance + bonus[first] + bonus[second]
         else:
-            best, value = greedy, float(scores[first])
-        if rule in ("ucb", "greedy_vs_random") and scores[first] < greedy - allowance:
-            self._fault(t, f"policy {first} of the stored pair is not the greedy one")
+            best, value = float(scores[inside].max()), float(scores[first])
         if value < best - allowance:
             self._fault(t, f"the stored pair is not the one that the rule {rule!r} chooses ({value:.6g} < {best:.6g})")
 

@@ -58,15 +58,16 @@ def worst_margins(scores: Enclosed, z: Enclosed, gamma: float, bonus: FloatArray
     return low - slack, high + slack
 
 
-def widest(z: FloatArray, gamma: float, bonus: FloatArray) -> float:
-    """An estimate of the largest gamma ||z_i - z_j|| + b_i + b_j over all pairs."""
+def widest(z: FloatArray, gamma: float, bonus: FloatArray, scores: FloatArray | None = None) -> float:
+    """An estimate of the largest gamma ||z_i - z_j|| + b_i + b_j over all pairs, with s_i - s_j where scores count."""
     best, height = -np.inf, max(1, TILE // len(z))
     centred = Enclosed(z - z.mean(axis=0), 0.0)
+    ahead, behind = (bonus, bonus) if scores is None else (bonus + scores, bonus - scores)
     for first in range(0, len(z), height):
         rows = slice(first, first + height)
         values, _ = squared_distances(centred, rows)
         np.sqrt(np.maximum(values, 0, out=values), out=values)
         values *= gamma
-        values += bonus
-        best = max(best, float((values.max(axis=1) + bonus[rows]).max()))
+        values += behind
+        best = max(best, float((values.max(axis=1) + ahead[rows]).max()))
     return best

@@ -6,6 +6,8 @@ ones are (S, A); time-dependent ones are integer (H, S) or stochastic (H, S, A).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -58,8 +60,23 @@ def check_actions(policies: NDArray[np.integer], n_actions: int) -> None:
 
 def all_policies(n_states: int, n_actions: int) -> Policies:
     """All A^S deterministic stationary policies, (A^S, S), the last state's action running fastest."""
-    grids = np.indices((n_actions,) * n_states, dtype=np.int64)
-    return np.ascontiguousarray(grids.reshape(n_states, -1).T)
+    return digits(np.arange(n_actions**n_states), [n_actions] * n_states)
+
+
+def digits(numbers: NDArray[np.int64], bases: Sequence[int]) -> NDArray[np.int64]:
+    """Whole numbers (N,) written with one base a place, (N, places), the last place running fastest.
+
+    NumPy's own ways to run through a product stop at 32 or 64 places; states may be more.
+
+    >>> digits(np.arange(6), [2, 3])[3:]
+    array([[1, 0],
+           [1, 1],
+           [1, 2]])
+    """
+    written = np.empty((len(numbers), len(bases)), dtype=np.int64)
+    for place in reversed(range(len(bases))):
+        numbers, written[:, place] = np.divmod(numbers, bases[place])
+    return written
 
 
 def random_policies(n: int, n_states: int, n_actions: int, rng: np.random.Generator) -> Policies:

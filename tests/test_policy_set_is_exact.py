@@ -7,7 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from bridge_algos.envs.registry import make_mdp
-from bridge_algos.mdp import Dynamics
+from bridge_algos.expert.stationary import best_stationary
+from bridge_algos.mdp import Dynamics, TabularMDP
 from bridge_algos.offline.policy_set import PolicySet
 from bridge_algos.policies import all_policies
 from bridge_theory.errors import InputError
@@ -50,6 +51,20 @@ def test_unreachable_states_multiply_the_count() -> None:
     stay = np.broadcast_to(np.eye(6)[:, None], (6, 3, 6))
     ball = PolicySet(Dynamics(stay, np.eye(6)[0], 4), np.zeros(6, dtype=np.int64), 0.0)
     assert ball.count() == 3**5
+
+
+@pytest.mark.parametrize("n_states", [33, 65])
+def test_more_states_than_numpy_has_dimensions(n_states: int) -> None:
+    """Policies are listed, whatever NumPy's limits: 32 arrays in a product, 64 axes."""
+    anywhere = np.full((n_states, 2, n_states), 1 / n_states)
+    reward = np.arange(2.0 * n_states).reshape(n_states, 2)
+    center = np.arange(n_states) % 2
+    version_space = PolicySet(Dynamics(anywhere, np.full(n_states, 1 / n_states), 3), center, 0.0)
+    np.testing.assert_array_equal(version_space.enumerate(), center[None])
+    assert all_policies(n_states, 1).tolist() == [[0] * n_states]
+    stay = np.broadcast_to(np.eye(n_states)[:, None], (n_states, 2, n_states))
+    best = best_stationary(TabularMDP(stay, np.eye(n_states)[2], 3, reward))
+    assert (best.method, best.value, best.policy[2]) == ("enumeration", 15.0, 1)
 
 
 def test_samples_are_uniform_over_the_set(rng: np.random.Generator) -> None:

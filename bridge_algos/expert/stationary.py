@@ -14,6 +14,7 @@ from bridge_algos.expert.branch_and_bound import branch_and_bound
 from bridge_algos.expert.choices import count_choices, relevant_actions
 from bridge_algos.expert.stationary_optimum import StationaryOptimum
 from bridge_algos.mdp import IntArray, TabularMDP
+from bridge_algos.policies import digits
 from bridge_theory.errors import InputError
 
 FEW_POLICIES = 4096
@@ -47,7 +48,7 @@ def enumerate_stationary(mdp: TabularMDP) -> StationaryOptimum:
         InputError: when more than ENUMERATION_LIMIT policies differ in what can happen.
     """
     allowed = relevant_actions(mdp)
-    counts, count = allowed.sum(axis=1), count_choices(allowed)
+    counts, count = allowed.sum(axis=1).tolist(), count_choices(allowed)
     if count > ENUMERATION_LIMIT:
         raise InputError(
             f"the MDP {mdp.name!r} has at least 10^{len(str(count)) - 1} different stationary policies, expected at "
@@ -58,8 +59,7 @@ def enumerate_stationary(mdp: TabularMDP) -> StationaryOptimum:
     returns = np.empty(count)
 
     def policies(start: int, stop: int) -> IntArray:
-        digits = np.stack(np.unravel_index(np.arange(start, stop), counts), axis=1)
-        return np.asarray(actions[np.arange(mdp.n_states), digits])
+        return np.asarray(actions[np.arange(mdp.n_states), digits(np.arange(start, stop), counts)])
 
     for start in range(0, count, BLOCK):
         stop = min(start + BLOCK, count)

@@ -7,13 +7,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from math import prod
 
 import numpy as np
 
 from bridge_algos.hellinger import disagreement_probability
 from bridge_algos.mdp import Dynamics, IntArray
 from bridge_algos.offline.ball_cubes import ROUNDING_SLACK, Cubes, ball_cubes
-from bridge_algos.policies import random_policies
+from bridge_algos.policies import digits, random_policies
 from bridge_algos.shapes import PerPolicy, Policies
 from bridge_theory.errors import InputError
 
@@ -118,7 +119,9 @@ class PolicySet:
                 self.cubes.free[index], self.cubes.disagree[index], self.center, strict=True
             )
         ]
-        return np.stack(np.meshgrid(*choices, indexing="ij"), axis=-1).reshape(-1, len(choices))
+        sizes = [len(actions) for actions in choices]
+        taken = digits(np.arange(prod(sizes)), sizes)
+        return np.stack([actions[row] for actions, row in zip(choices, taken.T, strict=True)], axis=1)
 
 
 def _codes(disagree: np.ndarray) -> IntArray:

@@ -174,7 +174,7 @@ def check_mdp(transitions: ArrayLike, initial: ArrayLike, horizon: int, reward: 
     if isinstance(horizon, bool) or not isinstance(horizon, (int, np.integer)) or horizon < 1:
         faults.append(f"horizon is {horizon!r}, expected a whole number of at least 1.")
     try:
-        kernel, start, pay = (np.asarray(array, dtype=np.float64) for array in (transitions, initial, reward))
+        kernel, start, pay = (_real(array) for array in (transitions, initial, reward))
     except (TypeError, ValueError):
         return [
             *faults,
@@ -192,6 +192,13 @@ def check_mdp(transitions: ArrayLike, initial: ArrayLike, horizon: int, reward: 
     elif not np.isfinite(pay).all():
         faults.append(f"reward has a value that is not finite at {_first(~np.isfinite(pay))}; give finite numbers.")
     return faults
+
+
+def _real(array: ArrayLike) -> FloatArray:
+    given = np.asarray(array)
+    if given.dtype.kind not in "biufO":  # NumPy would drop imaginary parts, and count the days of dates
+        raise TypeError(f"{given.dtype} is not numeric")
+    return given.astype(np.float64)
 
 
 def _probability_faults(name: str, array: FloatArray) -> list[str]:

@@ -43,7 +43,7 @@ def load_mdp(source: str | Path) -> TabularMDP:
     if not Path(source).exists():
         raise InputError(f"{source} is neither a file nor one of the environments {', '.join(mdp_names())}.")
     arrays = read_arrays(source, REQUIRED)
-    names = {key: tuple(arrays[key].tolist()) for key in ("state_names", "action_names") if key in arrays}
+    names = {key: tuple(arrays[key].ravel().tolist()) for key in ("state_names", "action_names") if key in arrays}
     horizon = arrays["horizon"]
     if horizon.shape != () or horizon.dtype.kind not in "iu":
         raise InputError(

@@ -28,7 +28,7 @@ def load_dataset(path: Path, remedy: str) -> xr.Dataset:
     try:
         with xr.open_dataset(path, engine=ENGINE) as stored:
             return stored.load()
-    except (OSError, KeyError, ValueError) as error:
+    except Exception as error:  # damaged bytes make HDF5 and its readers raise nearly everything
         raise InputError(f"{path} is not a readable result file ({short_text(error)}); {remedy}.") from None
 
 

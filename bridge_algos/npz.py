@@ -22,6 +22,8 @@ def read_arrays(path: str | Path, required: Iterable[str]) -> dict[str, NDArray[
     try:
         with Path(path).open("rb") as handle, np.load(handle, allow_pickle=False) as archive:
             arrays = {name: archive[name] for name in archive.files}
+        if other := [name for name, array in arrays.items() if not isinstance(array, np.ndarray)]:
+            raise ValueError(f"{other[0]!r} is no array")  # NumPy hands over other members of the zip as bytes
     except FileNotFoundError:
         raise InputError(f"{path} does not exist; give the path of an .npz file with {', '.join(names)}.") from None
     except Exception as error:  # damaged bytes make zip, zlib, tokenize and NumPy raise nearly everything

@@ -140,6 +140,7 @@ def load_trajectories(path: str | Path, n_states: int, n_actions: int, horizon: 
         InputError: when the file is missing, is no ``.npz``, lacks an array or does not fit the MDP.
     """
     arrays = read_arrays(path, ("states", "actions"))
-    return Trajectories(arrays["states"], arrays["actions"], arrays.get("rewards")).checked(
-        n_states, n_actions, horizon
-    )
+    read = Trajectories(arrays["states"], arrays["actions"], arrays.get("rewards"))
+    read.checked(n_states, n_actions, horizon)
+    # indices computed from small integers, such as one byte each, would overflow
+    return Trajectories(read.states.astype(np.int64), read.actions.astype(np.int64), read.rewards)

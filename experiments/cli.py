@@ -46,6 +46,9 @@ def main(argv: list[str] | None = None) -> int:
     except ComputationError as error:
         print(f"bridge-rl {name}: {error}", file=sys.stderr)
         return 1
+    except MemoryError as error:
+        print(f"bridge-rl {name}: there is not enough memory ({error}); ask for something smaller", file=sys.stderr)
+        return 1
     except BrokenPipeError:  # the reader, such as head, has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0

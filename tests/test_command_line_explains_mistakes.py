@@ -1,7 +1,9 @@
 """A user's mistake ends in one sentence on standard error and exit status 2, never in a traceback."""
 
+import dataclasses
 import json
 import re
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +11,11 @@ import pytest
 
 from bridge_algos.envs.registry import make_mdp
 from bridge_algos.mdp_file import load_mdp, save_mdp
+from bridge_algos.run.configuration import read_configuration
+from bridge_algos.run.store import load_run
+from bridge_algos.run.world import build_world
 from bridge_algos.trajectories import Trajectories, sample_trajectories, save_trajectories
+from bridge_theory.errors import InputError
 from experiments.cli import SUBCOMMANDS, main
 
 FAST = ["--seeds", "1", "--rounds", "2", "--jobs", "1"]
@@ -28,6 +34,7 @@ FAST = ["--seeds", "1", "--rounds", "2", "--jobs", "1"]
         (["run", "starmdp", "--seeds", "0"], "seeds is 0"),
         (["run", "starmdp", "--jobs", "0"], "jobs is 0"),
         (["run", "starmdp", "--algorithms", "bridge,sac"], "unknown algorithm"),
+        (["run", "starmdp", "--algorithms", "bridge,bridge"], "expected each of them once"),
         (["run", "starmdp", "--fit", "sgd"], "fit is 'sgd'"),
         (["run", "starmdp", "--set", "gama=1"], "is not NAME=VALUE"),
         (["run", "starmdp", "--set", "gamma=high"], "gamma is 'high'"),
@@ -97,6 +104,20 @@ def test_the_configuration_can_be_shown(capsys) -> None:
     assert '"radius": 0.96' in printed
 
 
+def test_the_published_settings_are_those_of_the_environment_in_any_case(capsys) -> None:
+    shown = []
+    for name in ("starmdp", "StarMDP"):
+        assert main(["run", name, "--show-config"]) == 0
+        shown.append(json.loads(capsys.readouterr().out))
+    assert shown[1] == {**shown[0], "environment": "StarMDP"}
+
+
+def test_too_large_a_problem_is_one_sentence(tmp_path: Path, capsys) -> None:
+    options = ["--set", 'environment_options={"n_states": 10000000}', "--out", str(tmp_path)]
+    assert main(["run", "garnet", *options]) == 1
+    assert "there is not enough memory" in capsys.readouterr().err
+
+
 def test_interruption_has_its_own_status(monkeypatch, capsys) -> None:
     def interrupt(argv: list[str]) -> int:
         raise KeyboardInterrupt
@@ -132,6 +153,27 @@ def test_own_mdp_and_demonstrations_run(tmp_path: Path, capsys) -> None:
     assert "offline_radius_mass" in printed
 
 
+def test_a_changed_mdp_file_is_another_run(tmp_path: Path, capsys) -> None:
+    mdp, path = make_mdp("starmdp"), tmp_path / "mine.npz"
+    arguments = ["run", str(path), *FAST, "--algorithms", "bc", "--out", str(tmp_path / "out")]
+    save_mdp(path, mdp)
+    assert main(arguments) == 0
+    assert main(arguments) == 0
+    save_mdp(path, dataclasses.replace(mdp, reward=100 * mdp.reward))
+    capsys.readouterr()
+    assert main(arguments) == 2
+    assert "another configuration" in capsys.readouterr().err
+    with pytest.raises(InputError, match=r"mine.npz has changed since this run was configured"):
+        build_world(read_configuration(load_run(tmp_path / "out").attrs["configuration"]))
+
+
+def test_an_mdp_file_takes_no_options(tmp_path: Path, capsys) -> None:
+    save_mdp(tmp_path / "mine.npz", make_mdp("starmdp"))
+    options = ["--set", 'environment_options={"horizon": 3}', "--out", str(tmp_path / "out")]
+    assert main(["run", str(tmp_path / "mine.npz"), *FAST, *options]) == 2
+    assert "is the file of an MDP, which takes none" in capsys.readouterr().err
+
+
 def test_demonstrations_that_refute_the_expert_certify_nothing_about_one(tmp_path: Path, capsys) -> None:
     mdp, rng = make_mdp("starmdp"), np.random.default_rng(0)
     demos = str(tmp_path / "demos.npz")
@@ -163,3 +205,18 @@ def test_damaged_mdp_files_are_refused(tmp_path: Path, capsys, monkeypatch) -> N
     np.savez(path, transitions=mdp.transitions, initial=mdp.initial, horizon=[8, 9], reward=mdp.reward)
     assert main(["run", str(path)]) == 2
     assert "expected one whole number" in capsys.readouterr().err
+    valid = {"transitions": mdp.transitions, "initial": mdp.initial, "horizon": 8, "reward": mdp.reward}
+    np.savez(path, **valid | {"transitions": mdp.transitions + 1j})
+    assert main(["run", str(path)]) == 2
+    assert "must be arrays of numbers" in capsys.readouterr().err
+    np.savez(path, **valid, state_names=5)
+    assert main(["run", str(path)]) == 2
+    assert "state_names of 'mine' has 1 entries, expected 5" in capsys.readouterr().err
+    np.savez(path, **valid | {"horizon": 10**9})
+    assert main(["run", str(path)]) == 2
+    assert "10 demonstrations of 1,000,000,000 steps" in capsys.readouterr().err
+    with zipfile.ZipFile(path, "w") as archive:  # members that are no arrays reach NumPy's reader as bytes
+        for name in valid:
+            archive.writestr(name, "8")
+    assert main(["run", str(path)]) == 2
+    assert "'transitions' is no array" in capsys.readouterr().err

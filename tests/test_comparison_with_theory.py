@@ -17,7 +17,7 @@ from bridge_algos.run.config import preset
 from bridge_algos.run.log_file import load_log, log_files, save_log
 from bridge_algos.run.runner import run
 from bridge_algos.run.store import load_run
-from bridge_algos.run.world import build_world
+from bridge_algos.run.world import build_world, caveats
 from bridge_theory.errors import InputError
 from experiments.cli import main
 from experiments.compare import compare, figure, table, words
@@ -247,6 +247,15 @@ def test_the_published_preset_gets_only_what_is_about_it(tmp_path):
     missing = " ".join(rows_of(found)["a-priori"].curve.missing)
     for reason in ("the fixed ones", "the teacher breaks", "slope", "hand-set radius", "not at their optimum"):
         assert reason in missing
+
+
+def test_a_radius_without_a_theorem_is_named(tmp_path):
+    hand_set = preset("theory", "starmdp").but(radius=0.5)
+    assert any("hand-set radius" in reason for reason in caveats(hand_set, build_world(hand_set)))
+    run(hand_set.but(radius="stated-known", algorithms=("bridge", "bridge-known"), rounds=1), tmp_path, 1)
+    known, unknown = (" ".join(rows_of(found)["a-priori"].curve.missing) for found in compare(tmp_path))
+    assert "about known dynamics" in unknown
+    assert not known
 
 
 def test_command_writes_table_figure_and_data_and_the_same_again(star, capsys, tmp_path):

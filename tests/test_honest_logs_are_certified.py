@@ -10,10 +10,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from bridge_algos.envs.registry import make_mdp
+from bridge_algos.mdp import TabularMDP
+from bridge_algos.mdp_file import save_mdp
 from bridge_algos.run.config import preset
 from bridge_algos.run.log import logged_seed
 from bridge_algos.run.runner import run
 from bridge_algos.run.world import build_world
+from bridge_algos.trajectories import sample_trajectories
 from experiments.cli import main
 from proofs_checks.verify import Certificate, verify
 
@@ -98,6 +102,25 @@ def test_a_finished_run_gets_its_logs_without_new_numbers(tmp_path: Path) -> Non
     after = run(config, tmp_path, seeds=2, log=True)
     assert before.drop_vars("seconds").identical(after.drop_vars("seconds"))
     assert sorted(path.name for path in tmp_path.glob("log-*")) == ["log-00000.npz", "log-00001.npz"]
+
+
+def test_demonstrations_of_small_integers_are_those_of_large_ones(tmp_path: Path) -> None:
+    mdp = make_mdp("starmdp")
+    demos = sample_trajectories(mdp, np.array([0, 2, 3, 2, 2]), 4, np.random.default_rng(0))
+    np.savez(tmp_path / "demos.npz", states=demos.states.astype(np.int32), actions=demos.actions.astype(np.uint8))
+    config = preset("theory", "starmdp").but(
+        rounds=2, algorithms=("bridge",), demonstrations=str(tmp_path / "demos.npz")
+    )
+    (item,) = verify(logged_seed(config, build_world(config), 0)[1])
+    assert item.certified, item.words()
+
+
+@pytest.mark.parametrize("confidence", ["fixed", "stated", "repaired"])
+def test_one_state_and_one_action_are_certified(confidence: str, tmp_path: Path) -> None:
+    save_mdp(tmp_path / "one.npz", TabularMDP(np.ones((1, 1, 1)), np.ones(1), 1, np.ones(1)))
+    config = preset("theory", str(tmp_path / "one.npz")).but(**{**THEORY, "rounds": 2, "confidence": confidence})
+    for item in verify(logged_seed(config, build_world(config), 0)[1]):
+        assert item.certified, item.words()
 
 
 ALLOWED = ("bridge_algos.run.log_file", "bridge_algos.envs.registry")

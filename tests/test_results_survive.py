@@ -6,14 +6,17 @@ import sys
 import time
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 import xarray as xr
 
+from bridge_algos.netcdf import load_dataset
 from bridge_algos.run.config import RunConfig, preset
 from bridge_algos.run.runner import run
 from bridge_algos.run.seed import run_seed
 from bridge_algos.run.store import load_run, save_seed
+from bridge_algos.run.summary import table
 from bridge_algos.run.world import build_world
 from bridge_theory.errors import InputError
 
@@ -115,6 +118,38 @@ def test_damaged_files_are_named_and_kept(tmp_path: Path) -> None:
             attempt()
     assert victim.read_bytes() == damaged
     assert not (tmp_path / "seed-00002.nc").exists()
+
+
+def test_a_file_of_another_program_is_named(tmp_path: Path) -> None:
+    run(SMALL, tmp_path, seeds=1)
+    with h5py.File(tmp_path / "seed-00000.nc", "w") as file:
+        file["x"] = np.arange(3)
+        file["x"].attrs["DIMENSION_LIST"] = "none"
+    with pytest.raises(InputError, match=r"seed-00000.nc is not a readable result file"):
+        load_run(tmp_path)
+
+
+def test_a_copy_does_not_count_as_another_seed(tmp_path: Path) -> None:
+    run(SMALL, tmp_path, seeds=1)
+    (tmp_path / "seed-00001.nc").write_bytes((tmp_path / "seed-00000.nc").read_bytes())
+    with pytest.raises(InputError, match=r"seed-00001.nc holds seed 0"):
+        load_run(tmp_path)
+
+
+def test_logs_of_another_configuration_are_not_taken_over(tmp_path: Path) -> None:
+    config = preset("theory", "starmdp").but(rounds=2, algorithms=("bridge-known",))
+    run(config, tmp_path, seeds=1, log=True)
+    (tmp_path / "seed-00000.nc").unlink()
+    with pytest.raises(InputError, match="another configuration"):
+        run(config.but(lam=2.0), tmp_path, seeds=1)
+
+
+def test_seeds_that_describe_their_experts_differently_are_shown(tmp_path: Path) -> None:
+    stored = run(SMALL, tmp_path, seeds=2)
+    assert stored.attrs["expert"] in table(stored)
+    second = load_dataset(tmp_path / "seed-00001.nc", "")
+    save_seed(tmp_path, second.assign_attrs(expert="Another vertex."))
+    assert "describe their experts differently" in table(load_run(tmp_path))
 
 
 def test_strange_files_and_empty_directories_are_named(tmp_path: Path) -> None:

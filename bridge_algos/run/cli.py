@@ -72,12 +72,10 @@ def main(argv: list[str]) -> int:
 
 def configuration(options: argparse.Namespace) -> RunConfig:
     """The tabular configuration that parsed options describe; ``options.environment`` names the environment."""
-    from bridge_algos.run.world import digest
-
     base = preset(options.preset, options.environment)
     changes = _changes(options, base)
     if options.demos is not None:
-        changes |= {"demonstrations": options.demos, "demonstrations_digest": digest(options.demos)}
+        changes["demonstrations"] = options.demos
     if options.features is not None:
         changes["rollouts"] = 100 if options.features == "sampled" else None
     return base.but(**changes)

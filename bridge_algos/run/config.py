@@ -53,7 +53,8 @@ class RunConfig(Configuration):
     """Everything that decides the numbers of a run in a tabular environment, except the seed.
 
     Args:
-        environment, environment_options: what ``make_mdp`` takes, or the path of an MDP's ``.npz`` file.
+        environment, environment_options: what ``make_mdp`` takes, or an MDP's ``.npz`` file without options.
+        environment_digest: SHA-256 of that file.
         algorithms: which of ``ALGORITHMS`` to run, on the same demonstrations.
         expert: who demonstrates: ``"discounted-lp"`` (published runs), ``"finite-horizon-lp"``, ``"best-stationary"``.
         discount: of the discounted LP.
@@ -81,6 +82,7 @@ class RunConfig(Configuration):
     """
 
     environment_options: dict[str, Any] = field(default_factory=dict)
+    environment_digest: str | None = None
     algorithms: tuple[str, ...] = ("bridge", "pbrl", "bc")
     expert: str = "discounted-lp"
     discount: float = 0.99
@@ -171,7 +173,7 @@ def preset(name: str, environment: str) -> RunConfig:
     >>> preset("published", "starmdp").radius
     0.9
     """
-    size = _STAR_PUBLISHED if environment.startswith("starmdp") else _GRID_PUBLISHED
+    size = _STAR_PUBLISHED if environment.lower() in ("starmdp", "starmdp-text") else _GRID_PUBLISHED
     if name == "published":
         return RunConfig(environment, **size)
     if name == "theory":

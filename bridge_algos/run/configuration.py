@@ -54,6 +54,8 @@ def checked_algorithms(given: Iterable[str], known: Iterable[str]) -> tuple[str,
     unknown = [name for name in names if name not in choices]
     if unknown or not names:
         raise InputError(f"unknown algorithm {unknown or 'list, empty'}; expected some of {', '.join(choices)}.")
+    if len(set(names)) < len(names):
+        raise InputError(f"algorithms is {', '.join(names)}, expected each of them once.")
     return names
 
 

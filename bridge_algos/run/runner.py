@@ -17,7 +17,7 @@ from bridge_algos.run.log_file import log_path, save_log
 from bridge_algos.run.parallel import check_jobs, for_each
 from bridge_algos.run.seed import run_seed
 from bridge_algos.run.store import load_run, open_run, save_seed
-from bridge_algos.run.world import World, build_oracle, build_world, return_oracle
+from bridge_algos.run.world import World, build_oracle, build_world, return_oracle, with_digests
 from bridge_theory.errors import InputError
 
 
@@ -49,6 +49,8 @@ def run(
         from bridge_algos.continuous.offline import resolved
 
         config = resolved(config)
+    elif isinstance(config, RunConfig):
+        config = with_digests(config)
     work = _work(config, directory, log, _threads(seeds, jobs))
     finished = open_run(directory, config)
     if log:

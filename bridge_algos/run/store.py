@@ -12,6 +12,7 @@ from bridge_algos.files import atomic_write_text
 from bridge_algos.netcdf import load_dataset, save_dataset, short_text
 from bridge_algos.run.configuration import Configuration, read_configuration
 from bridge_algos.run.dataset import FORMAT
+from bridge_algos.run.log_file import log_files
 from bridge_theory.errors import InputError
 
 _REMEDY = "move it away and run again to redo that seed"
@@ -25,7 +26,8 @@ def open_run(directory: Path, config: Configuration) -> set[int]:
             deleted or overwritten.
     """
     described = directory / "configuration.json"
-    if described.exists() and seed_files(directory) and read_configuration(_text(described)) != config:
+    kept = seed_files(directory) or log_files(directory)  # a log alone would pass for that of the new run
+    if described.exists() and kept and read_configuration(_text(described)) != config:
         raise InputError(
             f"{directory} holds a run with another configuration; choose another --out or move the old run away."
         )
@@ -45,7 +47,7 @@ def seed_files(directory: Path) -> list[Path]:
 
 def save_seed(directory: Path, dataset: xr.Dataset) -> None:
     """Write the data set of one seed."""
-    save_dataset(directory / f"seed-{int(dataset.seed):05d}.nc", dataset)
+    save_dataset(directory / _file_name(int(dataset.seed)), dataset)
 
 
 def load_run(directory: Path, seeds: Collection[int] | None = None) -> xr.Dataset:
@@ -72,13 +74,20 @@ def _load(path: Path, config: Configuration) -> xr.Dataset:
     dataset = load_dataset(path, _REMEDY)
     try:
         same = read_configuration(dataset.attrs["configuration"]) == config
-    except (KeyError, ValueError) as error:
+        seed = int(dataset["seed"])
+    except (KeyError, TypeError, ValueError) as error:
         raise InputError(f"{path} is not a readable result file ({short_text(error)}); {_REMEDY}.") from None
     if dataset.attrs.get("format") != FORMAT:
         raise InputError(f"{path} was written by a version of this package that defines numbers otherwise; {_REMEDY}.")
     if not same:
         raise InputError(f"{path} belongs to another configuration; move it away and run again.")
+    if path.name != _file_name(seed):  # else a copy would count as another seed
+        raise InputError(f"{path} holds seed {seed}; give it the name {_file_name(seed)}, or remove it.")
     return dataset
+
+
+def _file_name(seed: int) -> str:
+    return f"seed-{seed:05d}.nc"
 
 
 def _text(path: Path) -> str:

@@ -15,7 +15,7 @@ from bridge_algos.mdp import FloatArray, IntArray, TabularMDP
 from bridge_algos.mdp_file import load_mdp
 from bridge_algos.offline.radius import named_radii
 from bridge_algos.online.oracles import BradleyTerryOracle, Oracle, ReturnOracle
-from bridge_algos.run.config import RunConfig
+from bridge_algos.run.config import RADII, RunConfig
 from bridge_algos.trajectories import Trajectories, load_trajectories
 from bridge_theory.errors import InputError
 
@@ -23,6 +23,7 @@ MOST_STEPS = 10**8
 """Recorded steps that fit into memory."""
 
 EXPELLED = "noisy demonstrations can expel the expert from the offline set"
+HAND_SET = "nothing guarantees that an offline set of hand-set radius contains the best policy"
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,9 +55,13 @@ class World:
 
 def build_world(config: RunConfig) -> World:
     """Environment, expert and yardsticks of a configuration; deterministic."""
-    from_file = config.environment.endswith(".npz")
-    mdp = load_mdp(config.environment) if from_file else make_mdp(config.environment, **config.environment_options)
+    mdp = _environment(config)
     demonstrations = _demonstrations(config, mdp)
+    n = config.n_demonstrations if demonstrations is None else len(demonstrations)
+    if n * mdp.horizon > MOST_STEPS:
+        raise InputError(
+            f"{n:,} demonstrations of {mdp.horizon:,} steps are more than the {MOST_STEPS:,} steps kept here."
+        )
     expert = make_expert(mdp, config.expert, config.discount, config.solver)
     embedding = _embedding(config.embedding, mdp)
     weight_bound = 1 / embedding.bound if config.weight_bound is None else config.weight_bound
@@ -65,13 +70,18 @@ def build_world(config: RunConfig) -> World:
         w_star, scale = _utility(mdp, weight_bound)
     elif config.embedding == "return":
         w_star, scale = np.array([weight_bound]), weight_bound
-    n = config.n_demonstrations if demonstrations is None else len(demonstrations)
-    if n * mdp.horizon > MOST_STEPS:
-        raise InputError(
-            f"{n:,} demonstrations of {mdp.horizon} steps are more than the {MOST_STEPS:,} steps kept here."
-        )
     radii = named_radii(mdp.dynamics, expert.policy, n, config.delta)
     return World(mdp, expert, embedding, w_star, scale, weight_bound, radii, demonstrations)
+
+
+def with_digests(config: RunConfig) -> RunConfig:
+    """The configuration with the digests of the files that it names, so that a run notices when one changes."""
+    changes = {}
+    if _is_file(config) and config.environment_digest is None and Path(config.environment).exists():
+        changes["environment_digest"] = digest(config.environment)
+    if config.demonstrations is not None and config.demonstrations_digest is None:
+        changes["demonstrations_digest"] = digest(config.demonstrations)
+    return config.but(**changes)
 
 
 def caveats(config: RunConfig, world: World) -> list[str]:
@@ -86,24 +96,46 @@ def caveats(config: RunConfig, world: World) -> list[str]:
         "the transition bonus holds for counts, not for a network": config.transition_model == "mlp",
         "the stated multiplier and bonuses are not proved": config.confidence == "stated",
         EXPELLED: config.noise > 0,
+        HAND_SET: config.radius not in RADII,
     }
     return [reason for reason, holds in broken.items() if holds]
 
 
 def digest(path: str) -> str:
-    """SHA-256 of a file, by which a run recognises its demonstrations."""
+    """SHA-256 of a file, by which a run recognises its environment and its demonstrations."""
     try:
         return hashlib.sha256(Path(path).read_bytes()).hexdigest()
     except OSError as error:
-        raise InputError(f"{path} cannot be read ({error.strerror}); give the path of a demonstrations file.") from None
+        raise InputError(f"{path} cannot be read ({error.strerror}); give the path of a file.") from None
+
+
+def _is_file(config: RunConfig) -> bool:
+    return config.environment.endswith(".npz")
+
+
+def _environment(config: RunConfig) -> TabularMDP:
+    if not _is_file(config):
+        return make_mdp(config.environment, **config.environment_options)
+    if config.environment_options:
+        raise InputError(
+            f"environment_options is {config.environment_options!r}, but {config.environment} is the file of an MDP, "
+            "which takes none; change the file."
+        )
+    mdp = load_mdp(config.environment)
+    _check_unchanged(config.environment, config.environment_digest)
+    return mdp
+
+
+def _check_unchanged(path: str, expected: str | None) -> None:
+    if expected not in (None, digest(path)):
+        raise InputError(f"{path} has changed since this run was configured; use another --out for the new file.")
 
 
 def _demonstrations(config: RunConfig, mdp: TabularMDP) -> Trajectories | None:
     path = config.demonstrations
     if path is None:
         return None
-    if config.demonstrations_digest not in (None, digest(path)):
-        raise InputError(f"{path} has changed since this run was configured; use another --out for the new file.")
+    _check_unchanged(path, config.demonstrations_digest)
     return load_trajectories(path, mdp.n_states, mdp.n_actions, mdp.horizon)
 
 

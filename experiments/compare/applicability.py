@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bridge_algos.run.config import RADII
-from bridge_algos.run.world import EXPELLED, caveats
+from bridge_algos.run.world import EXPELLED, HAND_SET, caveats
 from experiments.compare.subject import Subject
 
 
@@ -47,7 +47,8 @@ def missing_of_stated(subject: Subject) -> tuple[str, ...]:
 
 def _of_every_theorem(subject: Subject) -> list[str]:
     # the confidence sets themselves are judged above
-    return caveats(subject.config.but(confidence="repaired"), subject.world) + _of_the_search(subject)
+    own = caveats(subject.config.but(confidence="repaired"), subject.world)
+    return list(dict.fromkeys(own + _of_the_search(subject)))
 
 
 def _of_the_search(subject: Subject) -> list[str]:
@@ -62,5 +63,7 @@ def _of_the_search(subject: Subject) -> list[str]:
     if config.candidates != "exact" or bool((subject.results.offline_set_count > config.candidate_limit).any()):
         found.append("only a sample of the offline set was searched")
     if config.radius not in RADII:
-        found.append("nothing guarantees that an offline set of hand-set radius contains the best policy")
+        found.append(HAND_SET)
+    elif config.radius == "stated-known" and not subject.known:
+        found.append("the offline radius 'stated-known' is about known dynamics")
     return found

@@ -57,8 +57,8 @@ def _fixed(facts: Facts) -> Rule:
     most = float(np.log(n_states * n_actions))
 
     def costs(counts: IntArray) -> FloatArray:
-        with np.errstate(divide="ignore"):
-            return np.asarray(facts.bonus_multiplier * np.minimum(most, np.sqrt(most / counts)))
+        rooted = np.sqrt(most / np.where(counts > 0, counts, 1))
+        return np.asarray(facts.bonus_multiplier * np.where(counts > 0, np.minimum(most, rooted), most))
 
     return Rule(ball(facts.lam), expected=True, gamma=lambda _t, _rho, _history: facts.gamma, costs=costs)
 

@@ -22,6 +22,7 @@ from bridge_theory.errors import InputError
 from experiments.cli import main
 from experiments.compare import compare, figure, table, words
 from experiments.compare import comparison as comparing
+from experiments.report.certificate import certificates_html
 from proofs_checks.counterexample import load, on_environment
 from proofs_checks.verify import verify
 
@@ -247,6 +248,17 @@ def test_the_published_preset_gets_only_what_is_about_it(tmp_path):
     missing = " ".join(rows_of(found)["a-priori"].curve.missing)
     for reason in ("the fixed ones", "the teacher breaks", "slope", "hand-set radius", "not at their optimum"):
         assert reason in missing
+
+
+def test_the_log_of_another_run_certifies_nothing(logged, tmp_path):
+    other = preset("theory", "starmdp").but(**STAR).but(lam=3.0)
+    run(other, tmp_path, 2)
+    for path in log_files(logged):
+        shutil.copy(path, tmp_path)
+    found = compare(tmp_path)[0]
+    assert "certified" not in rows_of(found)
+    assert any("is the log of another configuration" in item.reason for item in found.left_out)
+    assert "is the log of another configuration" in certificates_html(tmp_path, other, load_run(tmp_path), 1)
 
 
 def test_a_radius_without_a_theorem_is_named(tmp_path):

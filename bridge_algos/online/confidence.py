@@ -111,7 +111,7 @@ def stated(
     size = {"S": n_states, "A": n_actions, "H": horizon}
     model = {"B": embedding_bound, "W": weight_bound, "d": dimension, "lam": lam, "delta": delta}
     eta = 2 * weight_bound * embedding_bound
-    kappa = float(theory.kappa.estimate(B=embedding_bound, W=weight_bound))
+    kappa = _curvature(theory.kappa, embedding_bound, weight_bound)
 
     def bonus(counts: IntArray, failure: float) -> FloatArray:
         defined = np.asarray(theory.xi.estimate(N=np.maximum(counts, 2), eta=eta, delta=failure, **size))
@@ -145,6 +145,17 @@ def stated(
     )
 
 
+def _curvature(kappa: Bound, embedding_bound: float, weight_bound: float) -> float:
+    """The paper's kappa or the repaired one, unless it is larger than any double."""
+    value = float(kappa.estimate(B=embedding_bound, W=weight_bound))
+    if not np.isfinite(value):
+        raise InputError(
+            f"kappa, which grows like exp(B W), is larger than any double at B = {embedding_bound:g} and "
+            f"W = {weight_bound:g}; use a smaller weight_bound."
+        )
+    return value
+
+
 def _positive(probability: Bound, **parameters: float) -> float:
     """A failure probability of the paper, unless A^S makes it smaller than any double."""
     with np.errstate(all="ignore"):
@@ -176,7 +187,7 @@ def repaired(
     Spends delta_w on the weights and, for unknown dynamics, delta_p on the transitions; both hold for all rounds at
     once, whatever K.
     """
-    kappa = float(theory.kappa_differences.estimate(B=embedding_bound, W=weight_bound))
+    kappa = _curvature(theory.kappa_differences, embedding_bound, weight_bound)
     scale = kappa * lam
 
     def multiplier(state: RoundState) -> float:

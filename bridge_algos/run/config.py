@@ -123,6 +123,7 @@ class RunConfig(Configuration):
                 ("environment_options", dict, "a JSON object"),
                 ("oracle_options", dict, "a JSON object"),
                 ("demonstrations", str | None, "the path of a file"),
+                ("embedding", str, "an embedding's name"),
             ),
         )
         object.__setattr__(self, "algorithms", checked_algorithms(self.algorithms, ALGORITHMS))

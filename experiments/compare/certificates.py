@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from joblib import Parallel, delayed
 from tqdm import tqdm
 
 from bridge_algos.mdp import FloatArray
+from bridge_algos.run.config import RunConfig
 from bridge_algos.run.log_file import load_log, log_files
 from bridge_theory.errors import InputError
 from proofs_checks.verify import Certificate, verify
@@ -17,7 +19,7 @@ from proofs_checks.verify import Certificate, verify
 SOURCE, CHECKER = "audit R4", "proofs_checks.verify"
 
 
-def certificates(directory: Path, jobs: int = 1) -> dict[tuple[str, int], Certificate] | str:
+def certificates(directory: Path, config: RunConfig, jobs: int = 1) -> dict[tuple[str, int], Certificate] | str:
     """What the checker finds in a run's logs, by algorithm and seed; or the reason why it checks none."""
     paths = log_files(directory)
     parallel = Parallel(n_jobs=jobs, return_as="generator", batch_size=1)
@@ -25,7 +27,7 @@ def certificates(directory: Path, jobs: int = 1) -> dict[tuple[str, int], Certif
     found: dict[tuple[str, int], Certificate] = {}
     with bar:
         try:
-            for items in parallel(delayed(_verified)(path) for path in paths):
+            for items in parallel(delayed(verified)(path, config) for path in paths):
                 found |= {(item.algorithm, item.seed): item for item in items}
                 bar.update()
         except InputError as error:
@@ -55,5 +57,9 @@ def certified(
     return np.array([item.bounds["best"] for item in own]), max(item.failure for item in own)
 
 
-def _verified(path: Path) -> tuple[Certificate, ...]:
-    return verify(load_log(path))
+def verified(path: Path, config: RunConfig) -> tuple[Certificate, ...]:
+    """What the checker finds in the log of a run; InputError also for the log of another one."""
+    log = load_log(path)
+    if RunConfig.from_json(json.dumps(log.header.get("configuration"))) != config:
+        raise InputError(f"{path} is the log of another configuration; move it away.")
+    return verify(log)

@@ -108,7 +108,7 @@ def subjects(directory: Path, jobs: int = 1) -> list[Subject]:
         )
     world = build_world(config)
     names = compared_algorithms(config, world)
-    found = certificates(directory, jobs)
+    found = certificates(directory, config, jobs)
     grid = evaluation_rounds(results.sizes["round"])
     return [Subject(name, config, world, results.sel(algorithm=name), grid, directory.name, found) for name in names]
 

@@ -8,10 +8,12 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from bridge_algos.run.log_file import load_log, log_files
+from bridge_algos.run.config import RunConfig
+from bridge_algos.run.log_file import log_files
 from bridge_theory.errors import InputError
+from experiments.compare.certificates import verified
 from experiments.report.text import table_html
-from proofs_checks.verify import Certificate, verify
+from proofs_checks.verify import Certificate
 from proofs_checks.verify.certificate import rounded_up
 
 _NAMES = {
@@ -23,7 +25,7 @@ _NAMES = {
 }
 
 
-def certificates_html(directory: Path, results: xr.Dataset, most: int) -> str:
+def certificates_html(directory: Path, config: RunConfig, results: xr.Dataset, most: int) -> str:
     """The first ``most`` logs of a run, each verified; regret after the last round in utility.
 
     A run without logs, or with one that cannot be read, says so.
@@ -35,7 +37,7 @@ def certificates_html(directory: Path, results: xr.Dataset, most: int) -> str:
     unread = []
     for path in paths[:most]:
         try:
-            found += verify(load_log(path))
+            found += verified(path, config)
         except InputError as error:
             unread.append(f'<p class="problem">{escape(str(error))}</p>')
     good = sum(item.certified for item in found)

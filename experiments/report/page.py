@@ -67,7 +67,7 @@ def _section(number: int, item: Item, verify: int, jobs: int) -> str:
         parts += [
             f"<h3>What the theory says here</h3>{bounds_html(item.configuration)}",
             f"<h3>Regret beside the theory</h3>{comparison_html(item.directory, item.title, jobs)}",
-            f"<h3>Certificate</h3>{certificates_html(item.directory, item.data, verify)}",
+            f"<h3>Certificate</h3>{certificates_html(item.directory, item.configuration, item.data, verify)}",
         ]
     return "".join([*parts, "</section>"])
 

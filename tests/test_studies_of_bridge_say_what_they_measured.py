@@ -19,7 +19,7 @@ from bridge_algos.run.world import build_world
 from bridge_theory.errors import InputError
 from experiments import reproduce
 from experiments.intervals import clopper_pearson
-from experiments.seeds import all_seeds, changed, entries
+from experiments.seeds import all_seeds, changed, entries, preset_text
 from experiments.studies import demonstrations, needed_radius, sensitivity
 
 STAR = {"environment": "starmdp", "preset": "published"}
@@ -70,6 +70,21 @@ def test_every_configuration_of_the_studies_is_a_valid_run() -> None:
                     assert factor in sensitivity.FACTORS
                     for value in values:
                         assert changed(config, factor, value) != config
+
+
+def test_what_a_study_changes_in_its_preset_is_said(tmp_path: Path) -> None:
+    """The published preset has ten Adam steps, under which the optimal policy is ruled out far less often."""
+    for name in reproduce.names():
+        described = reproduce.configuration(name)
+        if described["study"] in ("sensitivity", "demonstrations"):
+            settings = described["settings"]
+            at_optimum = settings["changes"].get("fit") == "exact"
+            assert ("fit = exact" in preset_text(settings)) == at_optimum
+            assert ("weights at their optimum" in described["title"]) == at_optimum
+    exact = {"settings": json.dumps(SENSITIVITY | {"changes": {"rounds": 4, "fit": "exact"}})}
+    data = sensitivity.compute(SENSITIVITY, tmp_path / "sensitivity", 1)
+    assert "starmdp, published preset, 4 rounds" in sensitivity.words(data)
+    assert "starmdp, published preset but for fit = exact, 4 rounds" in sensitivity.words(data.assign_attrs(exact))
 
 
 def test_a_cells_frequencies_and_regrets_are_those_of_its_runs(tmp_path: Path) -> None:

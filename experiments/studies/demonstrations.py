@@ -26,7 +26,7 @@ from bridge_theory.errors import InputError
 from bridge_theory.solve import solve_for
 from experiments.cells import Cell, run_cells
 from experiments.panels import legend_below
-from experiments.seeds import all_seeds, changed, configured, entries
+from experiments.seeds import all_seeds, changed, configured, entries, preset_text
 
 PLANNED: dict[str, dict[str, Any]] = {
     "regret_known_stated": {"label": "planned: stated (refuted)", "color": "#999999", "linestyle": "--"},
@@ -213,6 +213,7 @@ def words(data: xr.Dataset) -> str:
     algorithms = [str(name) for name in data.algorithm.values]
     last = int(data["round"][-1])
     lines = [
+        f"{settings['environment']}, {preset_text(settings)}",
         f"{_MEASURES[settings['measure']]} after T = {last} rounds of {data.comparisons.values[0]} comparisons, in "
         f"reward (the expert returns {float(data.expert_return[0]):.2f} a round); mean ± 95 % half-width over "
         f"{data.sizes['seed']} seeds",

@@ -124,6 +124,18 @@ def test_the_iso_regret_line_is_the_smallest_n_from_which_on_the_target_holds() 
     assert np.isnan(high).all()
 
 
+def test_what_demonstrations_are_to_pbrl_is_read_off_its_regret() -> None:
+    """On StarMDP it searches all policies; on Gridworld half of its candidates may come from the offline set."""
+    regret = np.arange(4.0).reshape(1, 2, 1, 2)
+    data = xr.Dataset(
+        {"pair_regret": (("seed", "n", "algorithm", "round"), regret)},
+        {"n": [1, 2], "algorithm": ["pbrl"], "round": [1, 2]},
+    )
+    assert "borrows policies from the offline set" in demonstrations._pbrl(data)
+    assert demonstrations._pbrl(data.isel(n=[0, 0])) == ". PbRL uses no demonstrations"
+    assert demonstrations._pbrl(data.assign_coords(algorithm=["bc"])) == ""
+
+
 def test_needed_radii_enclose_the_distance_and_are_certified_without_noise(tmp_path: Path) -> None:
     data = needed_radius.compute(NEEDED, tmp_path, 1)
     assert bool((data.needed_lucky <= data.needed + 1e-12).all())

@@ -270,13 +270,12 @@ def _plan_lines(data: xr.Dataset, settings: dict[str, Any], algorithms: list[str
     lines.append(
         "planned: what the bound promises with probability at least 95 % (see bridge-rl plan); regret_known_stated is "
         "refuted, so that nothing stands behind its promise. Measured: the smallest n tried from which on even the "
-        "upper 95 % limit of the mean meets the target; a loss too rare for these seeds would not show. PbRL uses no "
-        "demonstrations"
+        f"upper 95 % limit of the mean meets the target; a loss too rare for these seeds would not show{_pbrl(data)}"
     )
     for bound in names:
         plan = data.planned_n.sel(bound=bound).values
         for name, curve in measured.items():
-            if name == "pbrl":  # it meets the target at any n or at none
+            if name == "pbrl":  # it learns nothing from demonstrations
                 continue
             both = np.isfinite(plan) & np.isfinite(curve)
             if both.any():
@@ -288,6 +287,16 @@ def _plan_lines(data: xr.Dataset, settings: dict[str, Any], algorithms: list[str
         if not np.isfinite(plan).any():
             lines.append(f"{bound}: no plan exists; {data.why_no_plan.sel(bound=bound).item()} (in utility)")
     return lines
+
+
+def _pbrl(data: xr.Dataset) -> str:
+    """What demonstrations are to PbRL, to end a sentence: where it cannot search everything, it borrows candidates."""
+    if "pbrl" not in data.algorithm:
+        return ""
+    regret = data.pair_regret.sel(algorithm="pbrl")
+    if bool((regret == regret.isel(n=0, drop=True)).all()):
+        return ". PbRL uses no demonstrations"
+    return ". PbRL learns nothing from demonstrations, but its search space borrows policies from the offline set"
 
 
 def _last(data: xr.Dataset, measure: str, algorithm: str, n: int) -> Mean:

@@ -109,6 +109,15 @@ def test_interruption_has_its_own_status(monkeypatch, capsys) -> None:
     assert "interrupted" in capsys.readouterr().err
 
 
+def test_a_file_that_cannot_take_its_place_is_named_by_the_place(monkeypatch, capsys) -> None:
+    def move(argv: list[str]) -> int:
+        raise OSError(21, "Is a directory", ".wanted.0123", None, "wanted")
+
+    monkeypatch.setattr("bridge_algos.run.cli.main", move)
+    assert main(["run", "starmdp"]) == 2
+    assert "bridge-rl run: wanted cannot be used (Is a directory); choose another" in capsys.readouterr().err
+
+
 def test_demonstrations_of_another_environment_are_refused(tmp_path: Path, capsys, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     demos = tmp_path / "demos.npz"

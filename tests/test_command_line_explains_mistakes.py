@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -142,6 +143,20 @@ def test_own_mdp_and_demonstrations_run(tmp_path: Path, capsys) -> None:
     printed = capsys.readouterr().out
     assert "from the demonstrations" in printed
     assert "offline_radius_mass" in printed
+
+
+def test_another_mdp_in_the_same_file_is_another_run(tmp_path: Path, capsys) -> None:
+    """Seeds of the old one would be shown, and joined with seeds of the new one, as if they were of one MDP."""
+    mdp, path = make_mdp("starmdp"), str(tmp_path / "mine.npz")
+    arguments = ["run", path, *FAST, "--out", str(tmp_path / "out")]
+    save_mdp(path, mdp)
+    assert main(arguments) == 0
+    save_mdp(path, replace(mdp, reward=-mdp.reward))
+    capsys.readouterr()
+    assert main(arguments) == 2
+    assert "another configuration" in capsys.readouterr().err
+    assert main(["compare", str(tmp_path / "out"), "--jobs", "1"]) == 2
+    assert "mine.npz has changed since this run was configured" in capsys.readouterr().err
 
 
 def test_demonstrations_that_refute_the_expert_certify_nothing_about_one(tmp_path: Path, capsys) -> None:

@@ -76,6 +76,8 @@ def configuration(options: argparse.Namespace) -> RunConfig:
 
     base = preset(options.preset, options.environment)
     changes = _changes(options, base)
+    if options.environment.endswith(".npz") and Path(options.environment).is_file():
+        changes["environment_digest"] = digest(options.environment)
     if options.demos is not None:
         changes |= {"demonstrations": options.demos, "demonstrations_digest": digest(options.demos)}
     if options.features is not None:

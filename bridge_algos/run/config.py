@@ -54,6 +54,7 @@ class RunConfig(Configuration):
 
     Args:
         environment, environment_options: what ``make_mdp`` takes, or the path of an MDP's ``.npz`` file.
+        environment_digest: SHA-256 of that file, by which a run recognises it.
         algorithms: which of ``ALGORITHMS`` to run, on the same demonstrations.
         expert: who demonstrates: ``"discounted-lp"`` (published runs), ``"finite-horizon-lp"``, ``"best-stationary"``.
         discount: of the discounted LP.
@@ -81,6 +82,7 @@ class RunConfig(Configuration):
     """
 
     environment_options: dict[str, Any] = field(default_factory=dict)
+    environment_digest: str | None = None
     algorithms: tuple[str, ...] = ("bridge", "pbrl", "bc")
     expert: str = "discounted-lp"
     discount: float = 0.99

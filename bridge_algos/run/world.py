@@ -56,6 +56,8 @@ def build_world(config: RunConfig) -> World:
     """Environment, expert and yardsticks of a configuration; deterministic."""
     from_file = config.environment.endswith(".npz")
     mdp = load_mdp(config.environment) if from_file else make_mdp(config.environment, **config.environment_options)
+    if from_file:
+        _check_unchanged(config.environment, config.environment_digest)
     demonstrations = _demonstrations(config, mdp)
     expert = make_expert(mdp, config.expert, config.discount, config.solver)
     embedding = _embedding(config.embedding, mdp)
@@ -91,19 +93,23 @@ def caveats(config: RunConfig, world: World) -> list[str]:
 
 
 def digest(path: str) -> str:
-    """SHA-256 of a file, by which a run recognises its demonstrations."""
+    """SHA-256 of a file, by which a run recognises its environment and its demonstrations."""
     try:
         return hashlib.sha256(Path(path).read_bytes()).hexdigest()
     except OSError as error:
         raise InputError(f"{path} cannot be read ({error.strerror}); give the path of a demonstrations file.") from None
 
 
+def _check_unchanged(path: str, known: str | None) -> None:
+    if known not in (None, digest(path)):
+        raise InputError(f"{path} has changed since this run was configured; use another --out for the new file.")
+
+
 def _demonstrations(config: RunConfig, mdp: TabularMDP) -> Trajectories | None:
     path = config.demonstrations
     if path is None:
         return None
-    if config.demonstrations_digest not in (None, digest(path)):
-        raise InputError(f"{path} has changed since this run was configured; use another --out for the new file.")
+    _check_unchanged(path, config.demonstrations_digest)
     return load_trajectories(path, mdp.n_states, mdp.n_actions, mdp.horizon)
 
 

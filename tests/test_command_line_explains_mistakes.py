@@ -34,6 +34,7 @@ FAST = ["--seeds", "1", "--rounds", "2", "--jobs", "1"]
         (["run", "starmdp", "--set", "gamma=high"], "gamma is 'high'"),
         (["run", "starmdp", "--set", 'environment_options={"horizon": 0}'], "horizon is 0"),
         (["run", "starmdp", "--set", "embedding=pixels"], "unknown embedding"),
+        (["run", "starmdp", "--set", "embedding=[1]"], "embedding is [1], expected the name"),
         (["run", "starmdp", "--frames", "3"], "unrecognized arguments"),
         (["run", "starmdp", "--set", "solver=GUROBI"], "GUROBI"),
         (["run", "starmdp", "--demos", "none.npz"], "none.npz cannot be read"),

@@ -119,6 +119,8 @@ class RunConfig(Configuration):
         check_kinds(
             self,
             (
+                ("environment", str, "a name or the path of a file"),
+                ("embedding", str, "the name of an embedding"),
                 ("algorithms", list | tuple, "a list of names"),
                 ("environment_options", dict, "a JSON object"),
                 ("oracle_options", dict, "a JSON object"),

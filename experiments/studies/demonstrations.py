@@ -213,7 +213,7 @@ def words(data: xr.Dataset) -> str:
     algorithms = [str(name) for name in data.algorithm.values]
     last = int(data["round"][-1])
     lines = [
-        f"{settings['environment']}, {preset_text(settings)}",
+        f"{settings['environment']}, {preset_text(settings)}:",
         f"{_MEASURES[settings['measure']]} after T = {last} rounds of {data.comparisons.values[0]} comparisons, in "
         f"reward (the expert returns {float(data.expert_return[0]):.2f} a round); mean ± 95 % half-width over "
         f"{data.sizes['seed']} seeds",

@@ -1,8 +1,9 @@
 """Many independent cells of a study, resumable: each is computed once, from its own entries, and kept in its own file.
 
-A cell's file is named by a digest of all that decides its numbers: the function, the cell's entries and the versions of
-the packages. A changed setting therefore never meets an old result; it makes new files, and the old ones stay. A file
-that cannot be read, or that does not say that it is this very cell, is refused by name, never overwritten.
+A cell's file is named by a digest of all that decides its numbers: the function, the cell's entries, our own source and
+the versions of the packages. A changed setting or line of code therefore never meets an old result; it makes new files,
+and the old ones stay. A file that cannot be read, or that does not say that it is this very cell, is refused by name,
+never overwritten.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +26,7 @@ from bridge_theory.errors import InputError
 
 Cell = dict[str, Any]
 _REMEDY = "move it away and run again to redo that cell"
+_HOUSE = Path(__file__).parent.parent
 
 
 def run_cells(
@@ -72,8 +75,21 @@ def _one(work: Callable[[Cell], xr.Dataset], cell: Cell, identity: str, path: Pa
 
 def _identity(work: Callable[[Cell], xr.Dataset], cell: Cell) -> str:
     name = f"{work.__module__}.{work.__qualname__}"
-    described = {"work": name, "cell": cell, "versions": package_versions()}
+    described = {"work": name, "cell": cell, "source": source_digest(_HOUSE), "versions": package_versions()}
     return json.dumps(described, sort_keys=True, allow_nan=False)
+
+
+@cache
+def source_digest(house: Path) -> str:
+    """SHA-256 over the code and the environments' data of the packages in ``house`` that compute cells.
+
+    Between two releases the version of this package says nothing about them.
+    """
+    total = hashlib.sha256()
+    for package in ("bridge_theory", "bridge_algos", "experiments"):
+        for path in sorted([*(house / package).rglob("*.py"), *(house / package).rglob("envs/*.json")]):
+            total.update(f"{path.relative_to(house)}\n".encode() + path.read_bytes())
+    return total.hexdigest()
 
 
 def _digest(identity: str) -> str:

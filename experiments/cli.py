@@ -55,7 +55,8 @@ def main(argv: list[str] | None = None) -> int:
     except OSError as error:
         if error.filename is None:
             raise
-        print(f"bridge-rl {name}: {error.filename} cannot be used ({error.strerror}); choose another", file=sys.stderr)
+        place = error.filename2 or error.filename  # of a move the place asked for, not the temporary file
+        print(f"bridge-rl {name}: {place} cannot be used ({error.strerror}); choose another", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         print(f"bridge-rl {name}: interrupted; finished parts are kept", file=sys.stderr)

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import ArrayLike, NDArray
 from scipy.stats import norm
 
 from bridge_algos.envs.registry import make_mdp
@@ -48,29 +49,34 @@ def draw_beside(axes_regret: Any, axes_size: Any, curves: dict[str, Any]) -> Non
             )
 
 
+def agrees(mean: ArrayLike, half: ArrayLike, theirs: ArrayLike, their_half: ArrayLike) -> NDArray[np.bool_]:
+    """Whether the 95 % interval of the difference of two independent means, both taken as normal, contains zero.
+
+    Elementwise; False where ours has no interval, as the mean of one seed: nothing shows that it agrees.
+    """
+    gap = np.abs(np.asarray(mean) - np.asarray(theirs))
+    return np.asarray(np.isfinite(half) & (gap <= np.hypot(half, their_half) + 1e-9))
+
+
 def agreement(ours: Mean, published: Mean) -> str:
-    """Whether two independent means agree: the 95 % interval of their difference, both taken as normal, contains zero.
+    """Whether two means agree, in words; see :func:`agrees`.
 
     >>> agreement(Mean(10.0, 3.0), Mean(16.0, 4.0))
     'published 16.00 ± 4.00, ours 10.00 ± 3.00: they do not agree, ours is lower by 6.00 ± 5.00'
     """
-    gap = abs(ours.mean - published.mean)
-    half = float(np.hypot(ours.half_width, published.half_width))
+    beside = f"published {published}, ours {ours}"
+    if not np.isfinite(ours.half_width):
+        return f"{beside}: one seed has no interval to compare within"
+    distance = Mean(abs(ours.mean - published.mean), float(np.hypot(ours.half_width, published.half_width)))
+    if agrees(ours.mean, ours.half_width, published.mean, published.half_width):
+        return f"{beside}: they agree within the intervals, {distance} apart"
     side = "higher" if ours.mean > published.mean else "lower"
-    distance = Mean(gap, half)
-    found = (
-        f"agree within the intervals, {distance} apart"
-        if gap <= half
-        else f"do not agree, ours is {side} by {distance}"
-    )
-    return f"published {published}, ours {ours}: they {found}"
+    return f"{beside}: they do not agree, ours is {side} by {distance}"
 
 
 def agreeing_rounds(values: FloatArray, curve: dict[str, Any]) -> int:
-    """In how many rounds ours, (seeds, rounds), agree with a published curve: the difference's interval has zero."""
-    mean, half = mean_over_seeds(values)
-    gap = np.abs(mean - np.array(curve["mean"]))
-    return int((gap <= np.hypot(half, curve["ci95_half_width"]) + 1e-9).sum())
+    """In how many rounds ours, (seeds, rounds), agree with a published curve."""
+    return int(agrees(*mean_over_seeds(values), curve["mean"], curve["ci95_half_width"]).sum())
 
 
 def agreement_lines(results: xr.Dataset, curves: dict[str, Any]) -> list[str]:
@@ -82,10 +88,10 @@ def agreement_lines(results: xr.Dataset, curves: dict[str, Any]) -> list[str]:
             ("|Pi_t|", "policy_set_size", np.asarray(results.set_size.sel(algorithm=name).transpose("seed", "round"))),
         ):
             published = Mean(curves[name][key]["mean"][-1], curves[name][key]["ci95_half_width"][-1])
-            lines.append(
-                f"{STYLES[name]['label']}, last {label}: {agreement(mean_of(values[:, -1]), published)}; agreement in "
-                f"{agreeing_rounds(values, curves[name][key])} of {values.shape[1]} rounds."
-            )
+            told = f"{STYLES[name]['label']}, last {label}: {agreement(mean_of(values[:, -1]), published)}"
+            if len(values) > 1:
+                told += f"; agreement in {agreeing_rounds(values, curves[name][key])} of {values.shape[1]} rounds"
+            lines.append(f"{told}.")
     return lines
 
 

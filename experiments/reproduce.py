@@ -49,7 +49,7 @@ def main(argv: list[str]) -> int:
     p.add_argument("--quick", action="store_true", help="a small version, in its own directory: to see that it works")
     options = p.parse_args(argv)
     check_jobs(options.jobs)
-    chosen = in_all() if options.names == ["all"] else options.names
+    chosen = [name for given in options.names for name in (in_all() if given == "all" else [given])]
     configurations = {name: configuration(name, options.quick, options.seeds) for name in chosen}
     for name, described in configurations.items():
         directory = options.out / (f"{name}-quick" if options.quick else name)
@@ -61,13 +61,15 @@ def configuration(name: str, quick: bool = False, seeds: int | None = None) -> d
     """A configuration with its final settings.
 
     Raises:
-        InputError: for an unknown name, or where ``seeds`` is given and the study has no seeds.
+        InputError: for an unknown name, or where ``seeds`` is given and is below 1, or the study has no seeds.
     """
     if name not in names():
         raise InputError(f"there is nothing to reproduce named {name!r}; expected all or some of {', '.join(names())}.")
     described = _described(name)
     settings = _merged(described["settings"], described["quick"] if quick else {})
     if seeds is not None:
+        if seeds < 1:
+            raise InputError(f"seeds is {seeds}, expected at least 1.")
         if "seeds" not in settings:
             raise InputError(f"--seeds {seeds} does not apply to {name!r}, which has no seeds; leave it out there.")
         settings["seeds"] = seeds

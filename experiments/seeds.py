@@ -46,6 +46,21 @@ def changed(config: RunConfig, entry: str, value: Any) -> RunConfig:
     return config.but(**{name: {**getattr(config, name), inner: value} if inner else value})
 
 
+def preset_text(settings: dict[str, Any]) -> str:
+    """A study's preset, and what the study has otherwise throughout, but for algorithms and rounds, which texts show.
+
+    >>> preset_text({"environment": "starmdp", "preset": "published", "changes": {"fit": "exact", "rounds": 9}})
+    'published preset but for fit = exact'
+    """
+    base, config = preset(settings["preset"], settings["environment"]), configured(settings)
+    changes = [
+        f"{name} = {getattr(config, name)}"
+        for name in _ENTRIES
+        if name not in ("algorithms", "rounds") and getattr(config, name) != getattr(base, name)
+    ]
+    return f"{settings['preset']} preset" + (f" but for {', '.join(changes)}" if changes else "")
+
+
 def entries(config: RunConfig) -> dict[str, Any]:
     """The configuration as plain JSON values, for a cell."""
     described: dict[str, Any] = json.loads(config.to_json())

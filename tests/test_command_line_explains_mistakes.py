@@ -1,9 +1,9 @@
 """A user's mistake ends in one sentence on standard error and exit status 2, never in a traceback."""
 
-import dataclasses
 import json
 import re
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,11 +11,7 @@ import pytest
 
 from bridge_algos.envs.registry import make_mdp
 from bridge_algos.mdp_file import load_mdp, save_mdp
-from bridge_algos.run.configuration import read_configuration
-from bridge_algos.run.store import load_run
-from bridge_algos.run.world import build_world
 from bridge_algos.trajectories import Trajectories, sample_trajectories, save_trajectories
-from bridge_theory.errors import InputError
 from experiments.cli import SUBCOMMANDS, main
 
 FAST = ["--seeds", "1", "--rounds", "2", "--jobs", "1"]
@@ -40,7 +36,7 @@ FAST = ["--seeds", "1", "--rounds", "2", "--jobs", "1"]
         (["run", "starmdp", "--set", "gamma=high"], "gamma is 'high'"),
         (["run", "starmdp", "--set", 'environment_options={"horizon": 0}'], "horizon is 0"),
         (["run", "starmdp", "--set", "embedding=pixels"], "unknown embedding"),
-        (["run", "starmdp", "--set", "embedding=[1]"], "embedding is [1]"),
+        (["run", "starmdp", "--set", "embedding=[1]"], "embedding is [1], expected the name"),
         (["run", "starmdp", "--preset", "theory", "--set", "weight_bound=50"], "use a smaller weight_bound"),
         (["run", "starmdp", "--frames", "3"], "unrecognized arguments"),
         (["run", "starmdp", "--set", "solver=GUROBI"], "GUROBI"),
@@ -53,6 +49,9 @@ FAST = ["--seeds", "1", "--rounds", "2", "--jobs", "1"]
         (["reproduce"], "required: NAME"),
         (["reproduce", "fig2-starmdp", "--jobs", "0"], "jobs is 0"),
         (["reproduce", "ladder-starmdp", "--seeds", "5"], "--seeds 5 does not apply"),
+        (["reproduce", "needed-radius", "--quick", "--seeds", "0"], "seeds is 0, expected at least 1"),
+        (["reproduce", "published-differences", "--quick", "--seeds", "-1"], "seeds is -1, expected at least 1"),
+        (["reproduce", "all", "fig9"], "nothing to reproduce named 'fig9'"),
         (["report", "nowhere"], "nowhere is not a directory"),
         (["report", "."], "holds neither a run"),
         (["report", ".", "--verify", "0"], "--verify is 0"),
@@ -129,6 +128,15 @@ def test_interruption_has_its_own_status(monkeypatch, capsys) -> None:
     assert "interrupted" in capsys.readouterr().err
 
 
+def test_a_file_that_cannot_take_its_place_is_named_by_the_place(monkeypatch, capsys) -> None:
+    def move(argv: list[str]) -> int:
+        raise OSError(21, "Is a directory", ".wanted.0123", None, "wanted")
+
+    monkeypatch.setattr("bridge_algos.run.cli.main", move)
+    assert main(["run", "starmdp"]) == 2
+    assert "bridge-rl run: wanted cannot be used (Is a directory); choose another" in capsys.readouterr().err
+
+
 def test_demonstrations_of_another_environment_are_refused(tmp_path: Path, capsys, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     demos = tmp_path / "demos.npz"
@@ -155,18 +163,18 @@ def test_own_mdp_and_demonstrations_run(tmp_path: Path, capsys) -> None:
     assert "offline_radius_mass" in printed
 
 
-def test_a_changed_mdp_file_is_another_run(tmp_path: Path, capsys) -> None:
-    mdp, path = make_mdp("starmdp"), tmp_path / "mine.npz"
-    arguments = ["run", str(path), *FAST, "--algorithms", "bc", "--out", str(tmp_path / "out")]
+def test_another_mdp_in_the_same_file_is_another_run(tmp_path: Path, capsys) -> None:
+    """Seeds of the old one would be shown, and joined with seeds of the new one, as if they were of one MDP."""
+    mdp, path = make_mdp("starmdp"), str(tmp_path / "mine.npz")
+    arguments = ["run", path, *FAST, "--out", str(tmp_path / "out")]
     save_mdp(path, mdp)
     assert main(arguments) == 0
-    assert main(arguments) == 0
-    save_mdp(path, dataclasses.replace(mdp, reward=100 * mdp.reward))
+    save_mdp(path, replace(mdp, reward=-mdp.reward))
     capsys.readouterr()
     assert main(arguments) == 2
     assert "another configuration" in capsys.readouterr().err
-    with pytest.raises(InputError, match=r"mine.npz has changed since this run was configured"):
-        build_world(read_configuration(load_run(tmp_path / "out").attrs["configuration"]))
+    assert main(["compare", str(tmp_path / "out"), "--jobs", "1"]) == 2
+    assert "mine.npz has changed since this run was configured" in capsys.readouterr().err
 
 
 def test_an_mdp_file_takes_no_options(tmp_path: Path, capsys) -> None:

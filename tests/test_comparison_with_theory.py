@@ -335,6 +335,11 @@ def test_mistakes_get_one_sentence(arguments, sentence, star, tmp_path, capsys, 
     assert len(captured.err.strip().splitlines()) == 1
 
 
+def test_the_current_directory_has_a_name(star, monkeypatch):
+    monkeypatch.chdir(star)
+    assert {found.run for found in compare(Path("."))} == {star.name}
+
+
 def test_a_run_in_continuous_control_is_refused(star, tmp_path):
     shutil.copytree(star, tmp_path / "copy")
     config = continuous_preset("published", "reacher")

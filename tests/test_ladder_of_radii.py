@@ -33,7 +33,7 @@ from bridge_algos.trajectories import sample_trajectories
 from bridge_theory.errors import InputError
 from experiments.reproduce import configuration, main
 from experiments.studies import ladder
-from experiments.studies.ladder_report import upper_quantile
+from experiments.studies.ladder_report import _share, upper_quantile
 
 
 def key(counts: StepCounts) -> bytes:
@@ -277,6 +277,12 @@ def test_quantile_has_an_interval_that_admits_ignorance() -> None:
     assert estimate == pytest.approx(0.855)
     assert low < estimate < high
     assert upper_quantile(np.zeros(5))[1:] == (0.0, 1.0)
+
+
+def test_shares_of_few_data_sets_have_students_interval() -> None:
+    """Of three data sets 4.3 standard errors, not 1.96."""
+    here = xr.Dataset({"share": (("rung", "counted"), [[0.1, 0.2, 0.3]])}, {"rung": ["hand"]})
+    assert _share(here, "hand") == "20 % ± 25"
 
 
 @pytest.mark.parametrize("name", ["ladder-starmdp", "ladder-gridworld"])

@@ -124,6 +124,11 @@ def test_mistakes_are_named(tmp_path: Path, directory: Path) -> None:
             find_items(tmp_path)
 
 
+def test_the_current_directory_has_a_name(directory: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(directory / "fig2")
+    assert [item.name for item in find_items(Path("."))] == ["fig2"]
+
+
 def test_every_artist_has_its_counterpart() -> None:
     picture = Figure()
     lines, grid = picture.subplots(1, 2)

@@ -8,11 +8,13 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from bridge_algos.netcdf import load_dataset
+from bridge_algos.run.summary import Mean, mean_of
 from bridge_theory.errors import InputError
-from experiments.published import agreement
+from experiments.published import agreeing_rounds, agreement
 from experiments.report.interactive import panels
 from experiments.reproduce import configuration, main, names, reproduce
 
@@ -67,8 +69,16 @@ def test_seeds_can_be_chosen_where_there_are_some(tmp_path: Path) -> None:
 
 
 def test_agreement_is_judged_by_the_interval_of_the_difference() -> None:
-    from bridge_algos.run.summary import Mean
-
     assert "they agree within the intervals, 5.00 ± 5.00 apart" in agreement(Mean(1, 3), Mean(6, 4))
     assert "they do not agree, ours is lower by 5.10 ± 5.00" in agreement(Mean(0.9, 3), Mean(6, 4))
     assert "ours is higher" in agreement(Mean(12, 3), Mean(6, 4))
+
+
+def test_one_seed_agrees_with_nothing() -> None:
+    """Its half-width is infinite, within which everything would lie."""
+    assert agreement(mean_of([1.0]), Mean(6, 4)) == (
+        "published 6.00 ± 4.00, ours 1.00: one seed has no interval to compare within"
+    )
+    curve = {"mean": [1.0, 1.0], "ci95_half_width": [0.5, 0.5]}
+    assert agreeing_rounds(np.ones((1, 2)), curve) == 0
+    assert agreeing_rounds(np.ones((2, 2)), curve) == 2

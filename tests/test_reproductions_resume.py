@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 from bridge_theory.errors import InputError
-from experiments.cells import Cell, run_cells
+from experiments.cells import Cell, run_cells, source_digest
 
 CELLS = [{"seed": seed, "n": n, "rule": rule} for seed in (0, 1) for n, rule in ((10, "zero"), (20.5, None))]
 
@@ -58,6 +58,25 @@ def test_another_version_of_a_package_is_another_cell(tmp_path: Path, monkeypatc
     monkeypatch.setattr("experiments.cells.package_versions", lambda: {"numpy": "3.0"})
     with pytest.raises(AssertionError, match="computed again"):
         run_cells(refuse, CELLS[:1], tmp_path, 1, "draw")
+
+
+def test_other_code_is_another_cell(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As after a pull that changes what is computed, where the version of the package stays."""
+    run_cells(draw, CELLS[:1], tmp_path, 1, "draw")
+    monkeypatch.setattr("experiments.cells.source_digest", lambda house: "other")
+    with pytest.raises(AssertionError, match="computed again"):
+        run_cells(refuse, CELLS[:1], tmp_path, 1, "draw")
+
+
+def test_the_digest_of_the_source_sees_code_and_environments(tmp_path: Path) -> None:
+    seen = set()
+    for number, name in enumerate(("bridge_algos/a.py", "experiments/a.py", "bridge_algos/envs/a.json")):
+        for text in ("1", "2"):
+            house = tmp_path / f"{number}{text}"
+            (house / name).parent.mkdir(parents=True)
+            (house / name).write_text(text)
+            seen.add(source_digest(house))
+    assert len(seen) == 6
 
 
 def test_damaged_and_foreign_cells_are_named_and_kept(tmp_path: Path) -> None:

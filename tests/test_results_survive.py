@@ -1,5 +1,6 @@
 """Same seed, same numbers; killed runs resume; nothing written is lost, half-written or misread."""
 
+import dataclasses
 import signal
 import subprocess
 import sys
@@ -11,6 +12,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from bridge_algos.envs.registry import make_mdp
+from bridge_algos.mdp_file import save_mdp
 from bridge_algos.netcdf import load_dataset
 from bridge_algos.run.config import RunConfig, preset
 from bridge_algos.run.runner import run
@@ -127,6 +130,16 @@ def test_a_file_of_another_program_is_named(tmp_path: Path) -> None:
         file["x"].attrs["DIMENSION_LIST"] = "none"
     with pytest.raises(InputError, match=r"seed-00000.nc is not a readable result file"):
         load_run(tmp_path)
+
+
+def test_a_changed_file_is_another_configuration(tmp_path: Path) -> None:
+    mdp, path = make_mdp("starmdp"), tmp_path / "mine.npz"
+    config = preset("theory", str(path)).but(rounds=2, algorithms=("bc",))
+    save_mdp(path, mdp)
+    run(config, tmp_path / "run", seeds=1)
+    save_mdp(path, dataclasses.replace(mdp, reward=100 * mdp.reward))
+    with pytest.raises(InputError, match="another configuration"):
+        run(config, tmp_path / "run", seeds=1)
 
 
 def test_a_copy_does_not_count_as_another_seed(tmp_path: Path) -> None:

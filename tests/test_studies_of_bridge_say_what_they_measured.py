@@ -19,7 +19,7 @@ from bridge_algos.run.world import build_world
 from bridge_theory.errors import InputError
 from experiments import reproduce
 from experiments.intervals import clopper_pearson
-from experiments.seeds import all_seeds, changed, entries
+from experiments.seeds import all_seeds, changed, entries, preset_text
 from experiments.studies import demonstrations, needed_radius, sensitivity
 
 STAR = {"environment": "starmdp", "preset": "published"}
@@ -72,6 +72,21 @@ def test_every_configuration_of_the_studies_is_a_valid_run() -> None:
                         assert changed(config, factor, value) != config
 
 
+def test_what_a_study_changes_in_its_preset_is_said(tmp_path: Path) -> None:
+    """The published preset has ten Adam steps, under which the optimal policy is ruled out far less often."""
+    for name in reproduce.names():
+        described = reproduce.configuration(name)
+        if described["study"] in ("sensitivity", "demonstrations"):
+            settings = described["settings"]
+            at_optimum = settings["changes"].get("fit") == "exact"
+            assert ("fit = exact" in preset_text(settings)) == at_optimum
+            assert ("weights at their optimum" in described["title"]) == at_optimum
+    exact = {"settings": json.dumps(SENSITIVITY | {"changes": {"rounds": 4, "fit": "exact"}})}
+    data = sensitivity.compute(SENSITIVITY, tmp_path / "sensitivity", 1)
+    assert "starmdp, published preset, 4 rounds" in sensitivity.words(data)
+    assert "starmdp, published preset but for fit = exact, 4 rounds" in sensitivity.words(data.assign_attrs(exact))
+
+
 def test_a_cells_frequencies_and_regrets_are_those_of_its_runs(tmp_path: Path) -> None:
     data = sensitivity.compute(SENSITIVITY, tmp_path, 1)
     config = preset("published", "starmdp").but(rounds=4, noise=0.4)
@@ -107,6 +122,18 @@ def test_the_iso_regret_line_is_the_smallest_n_from_which_on_the_target_holds() 
     assert needed.tolist() == [2, 8]
     assert (low <= needed).all()
     assert np.isnan(high).all()
+
+
+def test_what_demonstrations_are_to_pbrl_is_read_off_its_regret() -> None:
+    """On StarMDP it searches all policies; on Gridworld half of its candidates may come from the offline set."""
+    regret = np.arange(4.0).reshape(1, 2, 1, 2)
+    data = xr.Dataset(
+        {"pair_regret": (("seed", "n", "algorithm", "round"), regret)},
+        {"n": [1, 2], "algorithm": ["pbrl"], "round": [1, 2]},
+    )
+    assert "borrows policies from the offline set" in demonstrations._pbrl(data)
+    assert demonstrations._pbrl(data.isel(n=[0, 0])) == ". PbRL uses no demonstrations"
+    assert demonstrations._pbrl(data.assign_coords(algorithm=["bc"])) == ""
 
 
 def test_needed_radii_enclose_the_distance_and_are_certified_without_noise(tmp_path: Path) -> None:

@@ -54,7 +54,7 @@ class RunConfig(Configuration):
 
     Args:
         environment, environment_options: what ``make_mdp`` takes, or an MDP's ``.npz`` file without options.
-        environment_digest: SHA-256 of that file.
+        environment_digest: SHA-256 of that file, by which a run recognises it.
         algorithms: which of ``ALGORITHMS`` to run, on the same demonstrations.
         expert: who demonstrates: ``"discounted-lp"`` (published runs), ``"finite-horizon-lp"``, ``"best-stationary"``.
         discount: of the discounted LP.
@@ -119,11 +119,12 @@ class RunConfig(Configuration):
         check_kinds(
             self,
             (
+                ("environment", str, "a name or the path of a file"),
+                ("embedding", str, "the name of an embedding"),
                 ("algorithms", list | tuple, "a list of names"),
                 ("environment_options", dict, "a JSON object"),
                 ("oracle_options", dict, "a JSON object"),
                 ("demonstrations", str | None, "the path of a file"),
-                ("embedding", str, "an embedding's name"),
             ),
         )
         object.__setattr__(self, "algorithms", checked_algorithms(self.algorithms, ALGORITHMS))

@@ -77,7 +77,7 @@ def build_world(config: RunConfig) -> World:
 def with_digests(config: RunConfig) -> RunConfig:
     """The configuration with the digests of the files that it names, so that a run notices when one changes."""
     changes = {}
-    if _is_file(config) and config.environment_digest is None and Path(config.environment).exists():
+    if _is_file(config) and config.environment_digest is None and Path(config.environment).is_file():
         changes["environment_digest"] = digest(config.environment)
     if config.demonstrations is not None and config.demonstrations_digest is None:
         changes["demonstrations_digest"] = digest(config.demonstrations)
@@ -126,8 +126,8 @@ def _environment(config: RunConfig) -> TabularMDP:
     return mdp
 
 
-def _check_unchanged(path: str, expected: str | None) -> None:
-    if expected not in (None, digest(path)):
+def _check_unchanged(path: str, known: str | None) -> None:
+    if known not in (None, digest(path)):
         raise InputError(f"{path} has changed since this run was configured; use another --out for the new file.")
 
 

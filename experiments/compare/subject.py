@@ -109,8 +109,8 @@ def subjects(directory: Path, jobs: int = 1) -> list[Subject]:
     world = build_world(config)
     names = compared_algorithms(config, world)
     found = certificates(directory, config, jobs)
-    grid = evaluation_rounds(results.sizes["round"])
-    return [Subject(name, config, world, results.sel(algorithm=name), grid, directory.name, found) for name in names]
+    grid, run = evaluation_rounds(results.sizes["round"]), directory.resolve().name
+    return [Subject(name, config, world, results.sel(algorithm=name), grid, run, found) for name in names]
 
 
 def compared_algorithms(config: RunConfig, world: World) -> tuple[str, ...]:

@@ -28,7 +28,8 @@ def main(argv: list[str]) -> int:
     items = find_items(options.directory)
     path = options.out or options.directory / "report.html"
     atomic_write_text(
-        path, page(items, options.directory.name, verify=options.verify, check=options.check, jobs=options.jobs)
+        path,
+        page(items, options.directory.resolve().name, verify=options.verify, check=options.check, jobs=options.jobs),
     )
     print(f"report: {path} ({path.stat().st_size / 1e6:.1f} MB; needs no network)")
     return 0

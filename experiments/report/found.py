@@ -78,7 +78,7 @@ def _places(directory: Path, depth: int) -> Iterator[Path]:
 
 
 def _item(place: Path, root: Path) -> Item:
-    name = place.name if place == root else str(place.relative_to(root))
+    name = place.resolve().name if place == root else str(place.relative_to(root))  # "." has no name
     path = place / DATA
     if not path.is_file():
         return _run(name, place)

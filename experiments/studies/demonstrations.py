@@ -26,7 +26,7 @@ from bridge_theory.errors import InputError
 from bridge_theory.solve import solve_for
 from experiments.cells import Cell, run_cells
 from experiments.panels import legend_below
-from experiments.seeds import all_seeds, changed, configured, entries
+from experiments.seeds import all_seeds, changed, configured, entries, preset_text
 
 PLANNED: dict[str, dict[str, Any]] = {
     "regret_known_stated": {"label": "planned: stated (refuted)", "color": "#999999", "linestyle": "--"},
@@ -213,6 +213,7 @@ def words(data: xr.Dataset) -> str:
     algorithms = [str(name) for name in data.algorithm.values]
     last = int(data["round"][-1])
     lines = [
+        f"{settings['environment']}, {preset_text(settings)}:",
         f"{_MEASURES[settings['measure']]} after T = {last} rounds of {data.comparisons.values[0]} comparisons, in "
         f"reward (the expert returns {float(data.expert_return[0]):.2f} a round); mean ± 95 % half-width over "
         f"{data.sizes['seed']} seeds",
@@ -269,13 +270,12 @@ def _plan_lines(data: xr.Dataset, settings: dict[str, Any], algorithms: list[str
     lines.append(
         "planned: what the bound promises with probability at least 95 % (see bridge-rl plan); regret_known_stated is "
         "refuted, so that nothing stands behind its promise. Measured: the smallest n tried from which on even the "
-        "upper 95 % limit of the mean meets the target; a loss too rare for these seeds would not show. PbRL uses no "
-        "demonstrations"
+        f"upper 95 % limit of the mean meets the target; a loss too rare for these seeds would not show{_pbrl(data)}"
     )
     for bound in names:
         plan = data.planned_n.sel(bound=bound).values
         for name, curve in measured.items():
-            if name == "pbrl":  # it meets the target at any n or at none
+            if name == "pbrl":  # it learns nothing from demonstrations
                 continue
             both = np.isfinite(plan) & np.isfinite(curve)
             if both.any():
@@ -287,6 +287,16 @@ def _plan_lines(data: xr.Dataset, settings: dict[str, Any], algorithms: list[str
         if not np.isfinite(plan).any():
             lines.append(f"{bound}: no plan exists; {data.why_no_plan.sel(bound=bound).item()} (in utility)")
     return lines
+
+
+def _pbrl(data: xr.Dataset) -> str:
+    """What demonstrations are to PbRL, to end a sentence: where it cannot search everything, it borrows candidates."""
+    if "pbrl" not in data.algorithm:
+        return ""
+    regret = data.pair_regret.sel(algorithm="pbrl")
+    if bool((regret == regret.isel(n=0, drop=True)).all()):
+        return ". PbRL uses no demonstrations"
+    return ". PbRL learns nothing from demonstrations, but its search space borrows policies from the offline set"
 
 
 def _last(data: xr.Dataset, measure: str, algorithm: str, n: int) -> Mean:

@@ -11,7 +11,7 @@ import xarray as xr
 from bridge_algos.mdp import FloatArray
 from bridge_algos.run.plots import STYLES, finish
 from bridge_algos.run.summary import Mean, mean_of, mean_over_seeds
-from experiments.published import ALGORITHMS, agreeing_rounds, published_curves
+from experiments.published import ALGORITHMS, agreeing_rounds, agrees, published_curves
 
 BASE = "as documented"
 SMALL = 100_000
@@ -114,8 +114,8 @@ def _remaining(data: xr.Dataset) -> list[str]:
 
 def _first_round_agrees(data: xr.Dataset, variant: str) -> bool:
     theirs = _published()["pbrl"]["regret"]
-    mean, half = mean_over_seeds(_values(data, variant, "pbrl", "exact")[:, 0])
-    return bool(abs(float(mean) - theirs["mean"][0]) <= np.hypot(float(half), theirs["ci95_half_width"][0]))
+    ours = mean_of(_values(data, variant, "pbrl", "exact")[:, 0])
+    return bool(agrees(ours.mean, ours.half_width, theirs["mean"][0], theirs["ci95_half_width"][0]))
 
 
 def _units(data: xr.Dataset) -> list[str]:
@@ -170,8 +170,7 @@ def _values(data: xr.Dataset, variant: str, algorithm: str, reading: str) -> Flo
 
 def _agrees(ours: Mean, algorithm: str) -> bool:
     curve = _published()[algorithm]["cumulative_regret"]
-    gap = abs(ours.mean - curve["mean"][-1])
-    return bool(gap <= np.hypot(ours.half_width, curve["ci95_half_width"][-1]))
+    return bool(agrees(ours.mean, ours.half_width, curve["mean"][-1], curve["ci95_half_width"][-1]))
 
 
 def _published() -> dict[str, Any]:

@@ -11,6 +11,7 @@ from scipy.stats import quantile_test
 
 from bridge_algos.mdp import FloatArray
 from bridge_algos.run.plots import finish
+from bridge_algos.run.summary import mean_of
 from bridge_theory.cli.table import text_table
 from experiments.intervals import clopper_pearson
 
@@ -181,9 +182,8 @@ def _reading(data: xr.Dataset) -> str:
 
 
 def _share(here: xr.Dataset, key: str) -> str:
-    values = here.share.sel(rung=key).values
-    half = 1.96 * values.std(ddof=1) / np.sqrt(len(values)) if len(values) > 1 else float("inf")
-    return f"{100 * values.mean():.3g} % ± {100 * half:.2g}"
+    found = mean_of(100 * here.share.sel(rung=key).values)
+    return f"{found.mean:.3g} % ± {found.half_width:.2g}"
 
 
 def _percent(happened: np.ndarray) -> str:

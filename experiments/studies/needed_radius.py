@@ -26,7 +26,7 @@ from bridge_theory.errors import InputError
 from experiments.cells import Cell, run_cells
 from experiments.intervals import clopper_pearson, share_text
 from experiments.panels import legend_below
-from experiments.seeds import changed, configured, entries, worlds
+from experiments.seeds import changed, configured, entries, preset_text, worlds
 
 _COLOURS = ("#000000", "#0072B2", "#009E73", "#E69F00", "#D55E00")
 
@@ -141,7 +141,7 @@ def words(data: xr.Dataset) -> str:
         rows = [_row(own.isel(cell=i), radius) for i in np.flatnonzero(told)]
         lines += [
             "",
-            f"{world['environment']}, {world['preset']} preset (radius {radius:g}, n = {n})",
+            f"{world['environment']}, {preset_text(world)} (radius {radius:g}, n = {n})",
             text_table(
                 ("n", "noise", "expert outside", "surely inside", "coins", "surely outside", "needed 50/95/100 %"), rows
             ),

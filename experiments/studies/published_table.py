@@ -30,7 +30,7 @@ class Agreement:
     Args:
         rmse: root mean square difference of the cells, in percentage points.
         rank_correlation: Spearman's, NaN where all our cells are equal.
-        overlapping: cells whose 95 % intervals overlap.
+        overlapping: cells whose 95 % intervals overlap; none where ours, of one seed, has no interval.
         cells: cells compared.
     """
 
@@ -67,7 +67,7 @@ def agreement(mean: FloatArray, half: FloatArray, data: xr.Dataset) -> Agreement
     return Agreement(
         rmse=float(np.sqrt(np.mean(gap**2))),
         rank_correlation=np.nan if constant else float(spearmanr(ours, theirs[here]).statistic),
-        overlapping=int((gap <= (half + half_width(spread))[here]).sum()),
+        overlapping=int((np.isfinite(half[here]) & (gap <= (half + half_width(spread))[here])).sum()),
         cells=int(here.sum()),
     )
 

@@ -25,7 +25,7 @@ from bridge_theory.errors import InputError
 from experiments.cells import Cell, run_cells
 from experiments.intervals import clopper_pearson, share_text
 from experiments.panels import legend_below
-from experiments.seeds import all_seeds, changed, configured, entries
+from experiments.seeds import all_seeds, changed, configured, entries, preset_text
 
 FACTORS = {
     "radius": "offline radius (Hellinger)",
@@ -182,7 +182,7 @@ def words(data: xr.Dataset) -> str:
     drawn = "each with its own environment, " if settings.get("fresh") else ""
     regrets = ", ".join(f"{STYLES[n]['label']} {mean_of(base.regret.sel(algorithm=n))}" for n in algorithms)
     lines = [
-        f"{config.environment}, {settings['preset']} preset, {config.rounds} rounds, {seeds} seeds, {drawn}"
+        f"{config.environment}, {preset_text(settings)}, {config.rounds} rounds, {seeds} seeds, {drawn}"
         "95 % intervals (Clopper-Pearson for shares)",
         f"at the preset: optimal policy not in the offline set {share_text(base.out_of_offline_set)}, ruled out of "
         f"Pi_t in some round {share_text(base.ruled_out.sel(algorithm='bridge'))}, not among those BRIDGE searches "

@@ -81,10 +81,16 @@ def test_what_a_study_changes_in_its_preset_is_said(tmp_path: Path) -> None:
             at_optimum = settings["changes"].get("fit") == "exact"
             assert ("fit = exact" in preset_text(settings)) == at_optimum
             assert ("weights at their optimum" in described["title"]) == at_optimum
-    exact = {"settings": json.dumps(SENSITIVITY | {"changes": {"rounds": 4, "fit": "exact"}})}
-    data = sensitivity.compute(SENSITIVITY, tmp_path / "sensitivity", 1)
-    assert "starmdp, published preset, 4 rounds" in sensitivity.words(data)
-    assert "starmdp, published preset but for fit = exact, 4 rounds" in sensitivity.words(data.assign_attrs(exact))
+    alone = SENSITIVITY | {"factors": {"radius": [1]}}
+    as_published, exact = (
+        sensitivity.words(sensitivity.compute(settings, tmp_path, 1))
+        for settings in (alone, alone | {"changes": {"rounds": 4, "fit": "exact"}})
+    )
+    assert "starmdp, published preset, 4 rounds" in as_published
+    assert "fitted as in the preset" not in as_published
+    assert "starmdp, published preset but for fit = exact, 4 rounds" in exact
+    fate = as_published.splitlines()[1].partition("ruled out")[2]
+    assert f"with the weights fitted as in the preset (adam): ruled out{fate}\n" in exact
 
 
 def test_a_cells_frequencies_and_regrets_are_those_of_its_runs(tmp_path: Path) -> None:

@@ -17,7 +17,7 @@ import xarray as xr
 
 from bridge_algos.mdp import FloatArray
 from bridge_algos.online.oracles import ReturnOracle
-from bridge_algos.run.config import RunConfig
+from bridge_algos.run.config import RunConfig, preset
 from bridge_algos.run.plots import STYLES, finish
 from bridge_algos.run.summary import mean_of, mean_over_seeds, verdict
 from bridge_theory.cli.table import text_table
@@ -42,6 +42,8 @@ FACTORS = {
 """Names of the factors on the axes: sets first, then B-Pref's imperfections of the teacher."""
 
 PRESET = "preset"
+OWN_FIT = "the preset's own fit"
+"""A cell beside the factors, where the study fits weights otherwise than the preset throughout."""
 _TEACHER = "oracle_options."
 
 
@@ -53,6 +55,9 @@ def compute(settings: dict[str, Any], directory: Path, jobs: int) -> xr.Dataset:
         moved = [(value, changed(config, factor, value)) for value in values]
         own = preset_value(config, factor)
         cells += [_cell(settings, other, factor, float(value)) for value, other in moved if value != own]
+    fit = preset(settings["preset"], settings["environment"]).fit
+    if fit != config.fit:
+        cells.append(_cell(settings, config.but(fit=fit), OWN_FIT, 0.0))
     data = run_cells(outcomes, cells, directory, jobs, f"sensitivity, {config.environment}")
     return data.drop_vars(["configuration", "seeds", "fresh"]).assign_attrs(
         settings=json.dumps(settings, sort_keys=True)
@@ -176,23 +181,32 @@ def _draw_regrets(axes: Any, x: FloatArray, own: xr.Dataset) -> None:
 def words(data: xr.Dataset) -> str:
     """What was found, factor by factor, with intervals; differences to the preset are paired."""
     settings = json.loads(data.attrs["settings"])
-    algorithms = [str(name) for name in data.algorithm.values]
     seeds, config = data.sizes["seed"], configured(settings)
     base = data.isel(cell=int(np.flatnonzero(data.factor.values == PRESET)[0]))
     drawn = "each with its own environment, " if settings.get("fresh") else ""
-    regrets = ", ".join(f"{STYLES[n]['label']} {mean_of(base.regret.sel(algorithm=n))}" for n in algorithms)
     lines = [
         f"{config.environment}, {preset_text(settings)}, {config.rounds} rounds, {seeds} seeds, {drawn}"
         "95 % intervals (Clopper-Pearson for shares)",
-        f"at the preset: optimal policy not in the offline set {share_text(base.out_of_offline_set)}, ruled out of "
-        f"Pi_t in some round {share_text(base.ruled_out.sel(algorithm='bridge'))}, not among those BRIDGE searches "
-        f"{share_text(~base.searched.sel(algorithm='bridge'))}; cumulative regret {regrets}",
-        "",
+        f"at these settings: optimal policy not in the offline set {share_text(base.out_of_offline_set)}, not among "
+        f"those BRIDGE searches {share_text(~base.searched.sel(algorithm='bridge'))}, {_fate(base)}",
     ]
+    for i in np.flatnonzero(data.factor.values == OWN_FIT):
+        fit = preset(settings["preset"], settings["environment"]).fit
+        lines.append(f"with the weights fitted as in the preset ({fit}): {_fate(data.isel(cell=i))}")
+    lines.append("")
     for factor in factors_of(data):
         lines += [f"{factor} (the preset has {_short(preset_value(config, factor))})", _table(data, base, factor), ""]
     lines.append(_summary(data, base))
     return "\n".join(lines)
+
+
+def _fate(cell: xr.Dataset) -> str:
+    """How often the optimal policy was ruled out, and all regrets, in one cell."""
+    regrets = ", ".join(
+        f"{STYLES[name]['label']} {mean_of(cell.regret.sel(algorithm=name))}"
+        for name in map(str, cell.algorithm.values)
+    )
+    return f"ruled out of Pi_t in some round {share_text(cell.ruled_out.sel(algorithm='bridge'))}; regret {regrets}"
 
 
 def _table(data: xr.Dataset, base: xr.Dataset, factor: str) -> str:
@@ -212,7 +226,7 @@ def _table(data: xr.Dataset, base: xr.Dataset, factor: str) -> str:
 
 def _summary(data: xr.Dataset, base: xr.Dataset) -> str:
     """Which values change BRIDGE's regret for sure, at 95 % over all values together (Bonferroni)."""
-    level = 1 - 0.05 / max(1, data.sizes["cell"] - 1)
+    level = 1 - 0.05 / max(1, int((~data.factor.isin([PRESET, OWN_FIT])).sum()))
     sentences = []
     for factor in factors_of(data):
         own = series(data, factor)

@@ -259,6 +259,20 @@ def test_the_order_of_an_optimistic_pair_is_checked() -> None:
     assert verdict(RunLog(log.header, arrays)) == "rejected"
 
 
+@pytest.mark.parametrize(
+    ("limit", "sentence"),
+    [
+        ("MOST_PRODUCTS", "5 rounds with 20 features"),
+        ("MOST_PAIRS", "policies in 5 rounds"),
+        ("MOST_RESIDUALS", "5 rounds of 1 comparisons"),
+    ],
+)
+def test_what_would_take_hours_is_refused(limit: str, sentence: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(f"proofs_checks.verify.facts.{limit}", 3)
+    with pytest.raises(InputError, match=sentence):
+        verify(honest("known")[1])
+
+
 def test_the_reason_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     algorithm, log = honest("known")
     forged = edited(log, f"{algorithm}/w", lambda a: a.__setitem__(2, a[2] / 2))

@@ -23,6 +23,9 @@ MOST_PAIRS = 3 * 10**10
 MOST_RESIDUALS = 10**7
 """Comparisons in the estimating equations of all rounds together: about a minute."""
 
+MOST_PRODUCTS = 6 * 10**10
+"""Products of balls in the data matrices of all rounds together, d^3 in each: about ten minutes."""
+
 _CHOICES = {
     "confidence": ("fixed", "stated", "repaired"),
     "oracle": ("returns", "bradley-terry"),
@@ -161,7 +164,12 @@ def add_transitions(counts: IntArray, states: IntArray, actions: IntArray) -> No
 
 
 def _affordable(policies: int, size: Mapping[str, int]) -> None:
-    rounds, comparisons = size["T"], size["K"]
+    rounds, comparisons, features = size["T"], size["K"], size["d"]
+    if features**3 * rounds > MOST_PRODUCTS:
+        raise InputError(
+            f"the log has {rounds:,} rounds with {features:,} features, which takes hours to check; log a run of fewer "
+            "rounds, or with an embedding of fewer features."
+        )
     if policies**2 * rounds > MOST_PAIRS:
         raise InputError(
             f"the log compares {policies:,} policies in {rounds:,} rounds, which is too large to check here (at most "

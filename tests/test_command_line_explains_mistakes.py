@@ -35,6 +35,7 @@ FAST = ["--seeds", "1", "--rounds", "2", "--jobs", "1"]
         (["run", "starmdp", "--set", "gama=1"], "is not NAME=VALUE"),
         (["run", "starmdp", "--set", "gamma=high"], "gamma is 'high'"),
         (["run", "starmdp", "--set", 'environment_options={"horizon": 0}'], "horizon is 0"),
+        (["run", "cliff", "--set", 'environment_options={"fall": [1, 2]}'], "fall is [1, 2]"),
         (["run", "starmdp", "--set", "embedding=pixels"], "unknown embedding"),
         (["run", "starmdp", "--set", "embedding=[1]"], "embedding is [1], expected the name"),
         (["run", "starmdp", "--preset", "theory", "--set", "weight_bound=50"], "use a smaller weight_bound"),

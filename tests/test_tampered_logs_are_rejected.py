@@ -273,6 +273,23 @@ def test_what_would_take_hours_is_refused(limit: str, sentence: str, monkeypatch
         verify(honest("known")[1])
 
 
+@pytest.mark.parametrize(
+    ("name", "options"),
+    [
+        ("cliff", {"n_rows": 3, "n_columns": 3}),
+        ("garnet", {"n_states": 6, "n_actions": -1}),
+        ("chain", {"n_states": 10**9}),
+        ("garnet", {"n_actions": 5}),
+    ],
+)
+def test_a_larger_environment_is_not_made(name: str, options: dict[str, int], monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its size is the forger's choice: more memory than there is."""
+    log = with_header(honest("known")[1], ("configuration", "environment"), name)
+    monkeypatch.setattr("proofs_checks.verify.consistency.make_mdp", lambda *_, **__: pytest.fail("made"))
+    (item,) = verify(with_header(log, ("configuration", "environment_options"), options))
+    assert any("smaller than those of the environment" in reason for reason in item.reasons)
+
+
 def test_the_reason_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     algorithm, log = honest("known")
     forged = edited(log, f"{algorithm}/w", lambda a: a.__setitem__(2, a[2] / 2))

@@ -116,6 +116,8 @@ def cliff(n_rows: int = 3, n_columns: int = 5, slip: float = 0.1, fall: float = 
     """
     n_rows, n_columns = _whole("n_rows", n_rows, least=2), _whole("n_columns", n_columns, least=3)
     slip = _probability("slip", slip)
+    if isinstance(fall, bool) or not isinstance(fall, (int, float, np.number)):
+        raise InputError(f"fall is {fall!r}, expected a number.")
     layout = ("." * n_columns,) * (n_rows - 1) + ("S" + "C" * (n_columns - 2) + "G",)
     cells = np.array(list("".join(layout)))
     n_states = len(cells)

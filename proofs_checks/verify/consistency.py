@@ -6,6 +6,7 @@ Entries that no step shows (how candidates and expert were chosen) are read for 
 from __future__ import annotations
 
 import reprlib
+from math import prod
 
 import numpy as np
 
@@ -57,8 +58,10 @@ def _environment(facts: Facts) -> list[str]:
         return ["the configuration names no environment"]
     if name.endswith(".npz"):
         return []
-    largest = max(facts.kernel.shape)
-    if any(key.startswith("n_") and isinstance(size, int) and size > largest for key, size in options.items()):
+    n_states, n_actions, _ = facts.kernel.shape
+    sizes = {key: size for key, size in options.items() if key.startswith("n_") and isinstance(size, int)}
+    more_actions = sizes.pop("n_actions", 0) > n_actions
+    if more_actions or prod(sizes.values()) > n_states:  # before anything of that size is made
         return [f"the dynamics are smaller than those of the environment {name!r}"]
     try:
         mdp = make_mdp(name, **options)

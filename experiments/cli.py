@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import importlib
 import os
 import sys
@@ -53,6 +54,12 @@ def main(argv: list[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except OSError as error:
+        if error.errno in (errno.ENOSPC, errno.EDQUOT):
+            print(
+                f"bridge-rl {name}: the disk is full; make room and run it again: finished parts are kept",
+                file=sys.stderr,
+            )
+            return 1
         if error.filename is None:
             raise
         place = error.filename2 or error.filename  # of a move the place asked for, not the temporary file

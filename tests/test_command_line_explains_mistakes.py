@@ -1,5 +1,6 @@
 """A user's mistake ends in one sentence on standard error and exit status 2, never in a traceback."""
 
+import errno
 import json
 import re
 import zipfile
@@ -127,6 +128,15 @@ def test_interruption_has_its_own_status(monkeypatch, capsys) -> None:
     monkeypatch.setattr("bridge_algos.run.cli.main", interrupt)
     assert main(["run", "starmdp"]) == 130
     assert "interrupted" in capsys.readouterr().err
+
+
+def test_a_full_disk_is_one_sentence(monkeypatch, capsys) -> None:
+    def write(arguments: list[str]) -> int:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr("bridge_algos.run.cli.main", write)
+    assert main(["run", "starmdp"]) == 1
+    assert capsys.readouterr().err.startswith("bridge-rl run: the disk is full")
 
 
 def test_a_file_that_cannot_take_its_place_is_named_by_the_place(monkeypatch, capsys) -> None:

@@ -1,4 +1,4 @@
-"""Every example of the README runs as it stands."""
+"""Every fenced example of the README runs as it stands; the MuJoCo commands take minutes and are indented."""
 
 import os
 import re

@@ -83,9 +83,15 @@ def _figure(data: xr.Dataset, search: str) -> Any:
         style = {"label": plots.STYLES[name]["label"], "color": plots.STYLES[name]["color"]}
         heights, halves = (np.array([getattr(m, part) for m in means]) for part in ("mean", "half_width"))
         there = np.isfinite(heights)
-        errors = np.where(np.isfinite(halves), halves, 0)[there]
-        final.errorbar(positions[there] + offset, heights[there], errors, fmt="o", markersize=4, capsize=2, **style)
-    final.set(xticks=positions, xlabel=settings["varied"], ylabel=f"cumulative regret after {rounds[-1]} rounds")
+        errors = np.where(np.isfinite(halves), halves, 0)
+        if there.sum() == 1 < len(labels):  # run once, since what is varied does not reach it
+            ends = np.array([-0.5, len(labels) - 0.5])
+            plots.draw_band(final, ends, np.full(2, heights[there]), np.full(2, halves[there]), style)
+        else:
+            points = (positions[there] + offset, heights[there], errors[there])
+            final.errorbar(*points, fmt="o", markersize=4, capsize=2, **style)
+    final.set(xticks=positions, xlabel=settings["varied"], ylabel=f"regret after {rounds[-1]} rounds (reward)")
+    final.set_xlim(-0.5, len(labels) - 0.5)
     final.set_title("every algorithm", fontsize=9)
     final.set_xticklabels([label.replace("_", "\n") for label in labels])
     final.axhline(0, **plots.EXPERT)

@@ -86,7 +86,7 @@ def figures(data: xr.Dataset) -> dict[str, Any]:
                 markerfacecolor="none" if reading == "fresh" else None,
                 label=READINGS[reading],
             )
-        axes.set(yticks=heights, xlabel=f"cumulative regret after {data.sizes['round']} rounds")
+        axes.set(yticks=heights, xlabel=f"regret after {data.sizes['round']} rounds (reward)")
         axes.set_yticklabels([fill(label, 22) for label in labels], fontsize=8)
         axes.set_title(plots.STYLES[name]["label"], fontsize=9)
         axes.set_xlim(left=min(0.0, axes.get_xlim()[0]))

@@ -45,6 +45,12 @@ _NUMBERS: tuple[NumberRule, ...] = (
     (("discount", "delta"), int | float, lambda x: 0 < x < 1, "a number strictly between 0 and 1"),
     (("noise",), int | float, lambda x: 0 <= x <= 1, "a probability"),
 )
+_RADIUS: NumberRule = (
+    ("radius",),
+    int | float,
+    lambda x: x >= 0,
+    f"a number of at least 0 or one of {', '.join(RADII)}",
+)
 _OPTIONAL = ("rollouts", "weight_bound")
 
 
@@ -130,10 +136,8 @@ class RunConfig(Configuration):
         object.__setattr__(self, "algorithms", checked_algorithms(self.algorithms, ALGORITHMS))
         check_choices(self, _CHOICES)
         check_numbers(self, _NUMBERS, _OPTIONAL)
-        if self.radius not in RADII and not (isinstance(self.radius, int | float) and self.radius >= 0):
-            raise InputError(
-                f"radius is {self.radius!r}, expected a number of at least 0 or one of {', '.join(RADII)}."
-            )
+        if self.radius not in RADII:
+            check_numbers(self, (_RADIUS,))
 
 
 _STAR_PUBLISHED: dict[str, Any] = {

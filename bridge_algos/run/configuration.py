@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import reprlib
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, fields, replace
 from math import isfinite
@@ -73,8 +74,15 @@ def check_numbers(config: Configuration, rules: Iterable[NumberRule], optional: 
             value = getattr(config, name)
             if value is None and name in optional:
                 continue
-            if isinstance(value, bool) or not isinstance(value, kind) or not isfinite(value) or not valid(value):
-                raise InputError(f"{name} is {value!r}, expected {expected}.")
+            if isinstance(value, bool) or not isinstance(value, kind) or not _finite(value) or not valid(value):
+                raise InputError(f"{name} is {reprlib.repr(value)}, expected {expected}.")
+
+
+def _finite(value: float) -> bool:
+    try:
+        return isfinite(value)
+    except OverflowError:  # a whole number beyond the largest double
+        return False
 
 
 def read_configuration(text: str) -> Configuration:

@@ -191,6 +191,16 @@ def test_another_mdp_in_the_same_file_is_another_run(tmp_path: Path, capsys) -> 
     assert "mine.npz has changed since this run was configured" in capsys.readouterr().err
 
 
+def test_demonstrations_that_the_environment_excludes_are_said_to_be(tmp_path: Path, capsys) -> None:
+    demos = tmp_path / "demos.npz"
+    for name, excluded in (("gridworld-text", False), ("gridworld", True)):
+        mdp, policy = make_mdp(name), np.zeros(16, dtype=np.int64)
+        save_trajectories(demos, sample_trajectories(mdp, policy, 5, np.random.default_rng(0)))
+        arguments = ["run", "gridworld-text", *FAST, "--algorithms", "bc", "--demos", str(demos)]
+        assert main([*arguments, "--out", str(tmp_path / name)]) == 0
+        assert ("transitions that the environment excludes" in capsys.readouterr().out) == excluded
+
+
 def test_an_mdp_file_takes_no_options(tmp_path: Path, capsys) -> None:
     save_mdp(tmp_path / "mine.npz", make_mdp("starmdp"))
     options = ["--set", 'environment_options={"horizon": 3}', "--out", str(tmp_path / "out")]

@@ -23,6 +23,7 @@ MOST_STEPS = 10**8
 """Recorded steps that fit into memory."""
 
 EXPELLED = "noisy demonstrations can expel the expert from the offline set"
+FOREIGN = "demonstrations pass transitions that the environment excludes: noisy actions, or from another environment"
 HAND_SET = "nothing guarantees that an offline set of hand-set radius contains the best policy"
 
 
@@ -86,8 +87,9 @@ def with_digests(config: RunConfig) -> RunConfig:
 
 def caveats(config: RunConfig, world: World) -> list[str]:
     """What of a run's settings takes the theory's guarantees away; empty when they hold for its confidence sets."""
+    foreign = [] if _possible(world.mdp, world.demonstrations) else [FOREIGN]
     if config.confidence == "fixed":
-        return ["gamma and bonuses are hand-set numbers, without a guarantee"]
+        return [*foreign, "gamma and bonuses are hand-set numbers, without a guarantee"]
     oracle = build_oracle(config, world)
     broken = {
         f"the teacher breaks: {getattr(oracle, 'breaks', 'unknown')}": config.oracle != "bradley-terry",
@@ -98,7 +100,16 @@ def caveats(config: RunConfig, world: World) -> list[str]:
         EXPELLED: config.noise > 0,
         HAND_SET: config.radius not in RADII,
     }
-    return [reason for reason, holds in broken.items() if holds]
+    return foreign + [reason for reason, holds in broken.items() if holds]
+
+
+def _possible(mdp: TabularMDP, demonstrations: Trajectories | None) -> bool:
+    """Whether an environment can have led along the states of demonstrations."""
+    if demonstrations is None:
+        return True
+    states, actions = demonstrations.states, demonstrations.actions
+    steps = mdp.transitions[states[:, :-1], actions[:, :-1], states[:, 1:]]
+    return bool((mdp.initial[states[:, 0]] > 0).all() and (steps > 0).all())
 
 
 def digest(path: str) -> str:

@@ -2,8 +2,8 @@ r"""How sensitive BRIDGE is: one setting at a time is moved away from a preset.
 
 For every value of every factor: how often the optimal policy falls out of the offline set, and out of the online set
 :math:`\Pi_t` in some round, with Clopper-Pearson intervals, and the cumulative regret of the greedy policy with its
-95 % interval over seeds. All values see the same seeds, so that differences to the preset are paired. "The optimal
-policy" is one fixed policy of the largest return; where others return as much, one of them may survive it.
+95 % interval over seeds. All values see the same seeds, so that differences are paired. "The optimal policy" is one
+fixed policy of the largest return; where others return as much, one of them may survive it.
 """
 
 from __future__ import annotations
@@ -179,14 +179,14 @@ def _draw_regrets(axes: Any, x: FloatArray, own: xr.Dataset) -> None:
 
 
 def words(data: xr.Dataset) -> str:
-    """What was found, factor by factor, with intervals; differences to the preset are paired."""
+    """What was found, factor by factor, with intervals; differences are paired."""
     settings = json.loads(data.attrs["settings"])
     seeds, config = data.sizes["seed"], configured(settings)
     base = data.isel(cell=int(np.flatnonzero(data.factor.values == PRESET)[0]))
     drawn = "each with its own environment, " if settings.get("fresh") else ""
     lines = [
         f"{config.environment}, {preset_text(settings)}, {config.rounds} rounds, {seeds} seeds, {drawn}"
-        "95 % intervals (Clopper-Pearson for shares)",
+        "95 % intervals (Clopper-Pearson for shares); differences are paired, to these settings",
         f"at these settings: optimal policy not in the offline set {share_text(base.out_of_offline_set)}, not among "
         f"those BRIDGE searches {share_text(~base.searched.sel(algorithm='bridge'))}, {_fate(base)}",
     ]
@@ -220,7 +220,7 @@ def _table(data: xr.Dataset, base: xr.Dataset, factor: str) -> str:
             regret = here.regret.sel(algorithm=name)
             row += [str(mean_of(regret)), str(mean_of(regret - base.regret.sel(algorithm=name)))]
         rows.append(row)
-    regrets = [text for n in algorithms for text in (f"regret {STYLES[n]['label']}", "less the preset's")]
+    regrets = [text for n in algorithms for text in (f"regret {STYLES[n]['label']}", "difference")]
     return text_table(("value", "not in offline set", "ruled out of Pi_t", *regrets), rows)
 
 

@@ -1,0 +1,246 @@
+r"""Ask and tell: a session that asks preference questions and says when the answers certify a recommendation.
+
+>>> import numpy as np
+>>> from scipy.special import expit
+>>> rng = np.random.default_rng(0)
+>>> features = rng.normal(size=(6, 3))
+>>> truth = np.array([1.0, -0.5, 0.2])
+>>> session = Elicitation(features, weights=Ball(2.0), pool=rng.normal(size=(200, 3)), delta=0.05,
+...                       until="0.5nats", rng=rng)
+>>> while not session.done:
+...     question = session.ask()
+...     session.tell(question, int(rng.random() < expit(question.difference @ truth)))
+>>> bool((features @ truth).max() - features[session.recommended] @ truth <= 0.5)
+True
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import log
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.special import expit
+
+from bridge_algos.asking.answers import Answers
+from bridge_algos.asking.certificate import Certificate
+from bridge_algos.asking.evidence import Evidence
+from bridge_algos.asking.gap import Gap, Rivals
+from bridge_algos.asking.goal import goal
+from bridge_algos.asking.region import is_empty, likelihood_set
+from bridge_algos.asking.rules import State, check_rule, choose
+from bridge_algos.mdp import FloatArray
+from bridge_theory.errors import InputError
+
+PRIOR_SCALES = (1.0, 4.0, 16.0)
+"""Precisions of the prior's components, in units of d / W^2: weights of norm W, W/2 and W/4."""
+
+
+@dataclass(frozen=True)
+class Ball:
+    """Weights of norm at most W, an assumption about the teacher."""
+
+    radius: float
+
+
+@dataclass(frozen=True, eq=False)
+class Question:
+    """Which of two items of the pool is better?
+
+    Args:
+        number: 0, 1, ... in the order in which answers count.
+        first, second: indices into the pool.
+        difference: (d,) features of the first minus those of the second.
+    """
+
+    number: int
+    first: int
+    second: int
+    difference: FloatArray
+
+
+class Elicitation:
+    """One session; with one delta, spent once.
+
+    Args:
+        features: (N, d) expected features of the candidates; equal rows must be merged beforehand.
+        weights: the assumption about the teacher's weights.
+        pool: (M, d) features of the items that questions show.
+        delta: failure probability of the session.
+        until: when to stop, see :func:`bridge_algos.asking.goal.goal`.
+        rng: the source of all randomness.
+        utility_range: best minus worst utility over all policies, for ``until="10%"``.
+        reference: (d,) features of the policy that shares are measured against.
+        rivals: features of further policies that the best candidate is known to beat; None for none.
+        owners: (M,) candidate that each item was drawn from, for the rule ``challenger``.
+        asking: one of the rules of :mod:`bridge_algos.asking.rules`.
+        fresh: whether the same pair asked again is a fresh draw, as with a simulated teacher; a person remembers.
+        offline: what the candidates rest on and its failure probability, for the certificate.
+
+    Raises:
+        InputError: for values out of range, one candidate, equal candidates, or shapes that do not fit.
+    """
+
+    def __init__(
+        self,
+        features: ArrayLike,
+        weights: Ball,
+        pool: ArrayLike,
+        delta: float,
+        until: str,
+        rng: np.random.Generator,
+        *,
+        utility_range: float | None = None,
+        reference: ArrayLike | None = None,
+        rivals: Rivals | None = None,
+        owners: ArrayLike | None = None,
+        asking: str = "pool",
+        fresh: bool = False,
+        offline: tuple[str, float] | None = None,
+    ) -> None:
+        self.features = _matrix("features", features)
+        self.pool = _matrix("pool", pool)
+        self.reference = None if reference is None else _matrix("reference", np.atleast_2d(reference))[0]
+        _check(self.features, self.pool, weights, delta, self.reference)
+        self.goal = goal(until, utility_range)
+        if self.goal.rho and reference is None:
+            raise InputError(f"until={until!r} needs a reference; give reference=, the features of a policy.")
+        self.asking, self.delta, self.weight_bound, self.fresh = check_rule(asking), delta, weights.radius, fresh
+        self.rng, self.offline = rng, offline
+        dimension = self.features.shape[1]
+        unit = dimension / weights.radius**2
+        self.answers = Answers(dimension)
+        self.evidence = Evidence([scale * unit for scale in PRIOR_SCALES], dimension)
+        self._center = np.zeros(dimension)
+        _, groups = np.unique(self.pool, axis=0, return_inverse=True)
+        self._groups = groups.ravel()
+        self._owners = np.full(len(self.pool), -1) if owners is None else np.asarray(owners)
+        spread = float(np.linalg.norm(self.features - self.features.mean(axis=0), axis=1).max()) * weights.radius
+        aim = None if self.reference is None or not self.goal.rho else (self.reference, self.goal.rho)
+        scale = self.goal.nats or 0.1 * spread
+        self.gap = Gap(self.features, weights.radius, self.goal.nats, scale, rivals, aim)
+        self.history: list[tuple[int, int, int | None]] = []
+        self.contradicted = False
+        self._pending: Question | None = None
+        self._asked: set[tuple[int, int]] = set()
+        self._look()
+
+    @property
+    def recommended(self) -> int:
+        """Index of the candidate to take."""
+        return self.gap.recommended
+
+    @property
+    def certified(self) -> bool:
+        """Whether the goal is reached."""
+        return not self.contradicted and self.gap.value <= self.goal.nats
+
+    @property
+    def done(self) -> bool:
+        """Whether there is nothing more to ask: the goal is reached, or the answers contradict the model."""
+        return self.contradicted or self.certified
+
+    def ask(self) -> Question:
+        """The next question; the same one until it is told."""
+        if self.contradicted:
+            raise InputError("these answers contradict the model or W, so that no question can certify anything.")
+        if self._pending is None:
+            if self.gap.critical is None:
+                raise InputError("nothing is left to ask: every candidate is certified.")
+            asked = None if self.fresh else self._asked
+            state = State(self.pool, self._owners, *self._fit(), self.gap.critical, self.recommended, self._groups)
+            first, second = choose(self.asking, state, self.rng, asked)
+            difference = self.pool[first] - self.pool[second]
+            self._pending = Question(len(self.history), first, second, difference)
+        return self._pending
+
+    def tell(self, question: Question, answer: int | None) -> None:
+        """Record the answer to the pending question: 1, the first is better; 0, the second; None, no answer.
+
+        Leaving out an answer is legitimate only when the decision does not depend on what the answer would be.
+
+        Raises:
+            InputError: for another answer, or a question that is not the pending one.
+        """
+        if question is not self._pending:
+            raise InputError("tell() takes the question that ask() gave last, once; ask again.")
+        if answer is not None and (isinstance(answer, bool | float) or answer not in (0, 1)):
+            raise InputError(f"the answer must be 1 (the first is better), 0 (the second) or None, got {answer!r}.")
+        self._pending = None
+        self.history.append((question.first, question.second, None if answer is None else int(answer)))
+        self._asked.add((min(question.first, question.second), max(question.first, question.second)))
+        if answer is None:
+            return
+        self.evidence.tell(*self.answers.add(question.difference, int(answer)))
+        self._look()
+
+    @property
+    def certificate(self) -> Certificate:
+        """What is certified now."""
+        words, chance = self.offline or ("the best of these candidates is meant, not of all policies", 0.0)
+        return Certificate(
+            certified=self.certified,
+            recommended=self.recommended,
+            gap=self.gap.value,
+            share=None,
+            failure_probability=self.delta + chance,
+            assumptions=(
+                f"answers follow P(first is better) = sigma(<x, w>) with ||w|| <= {self.weight_bound:.4g}",
+                "questions are left unanswered for no reason that depends on the answer",
+                words,
+            ),
+            needs_weight_bound=True,
+            answers=self.answers.total,
+            skipped=len(self.history) - self.answers.total,
+            candidates=len(self.features),
+            goal=self.goal.describe(),
+        )
+
+    def _look(self) -> None:
+        """Update evidence, recommendation and gap; every answer is followed by one look."""
+        if self.answers.total and self.evidence.stale:
+            self.evidence.refit(self.answers)
+        level = self.evidence.value - log(1 / self.delta)
+        region = likelihood_set(self.answers, level, self.weight_bound, self._center)
+        if region is None:
+            self.contradicted = is_empty(self.answers, level, self.weight_bound, self._center)
+            return  # without a point inside nothing new can be certified; what was certified stays
+        self._center = region.interior
+        utilities = self.features @ self.evidence.mean
+        best = int(utilities.argmax())
+        if utilities[best] > utilities[self.recommended]:
+            self.gap.recommend(best, region)
+        self.gap.tighten(region)
+
+    def _fit(self) -> tuple[FloatArray, FloatArray]:
+        """Mean and covariance of the fitted weights."""
+        mean = self.evidence.mean
+        x, total = self.answers.differences, self.answers.ones + self.answers.zeros
+        p = expit(x @ mean)
+        precision = PRIOR_SCALES[1] * len(mean) / self.weight_bound**2
+        return mean, np.linalg.inv((x.T * (total * p * (1 - p))) @ x + precision * np.eye(len(mean)))
+
+
+def _matrix(name: str, given: ArrayLike) -> FloatArray:
+    array = np.asarray(given, dtype=np.float64) if np.asarray(given).dtype.kind in "iuf" else np.zeros(0)
+    if array.ndim != 2 or 0 in array.shape or not np.isfinite(array).all():
+        raise InputError(f"{name} must be finite numbers of shape (N, d), got {np.shape(given)}.")
+    return np.ascontiguousarray(array)
+
+
+def _check(features: FloatArray, pool: FloatArray, weights: Ball, delta: float, reference: FloatArray | None) -> None:
+    if len(features) < 2:
+        raise InputError("features must hold at least two candidates, got one; it needs no question.")
+    if len(np.unique(features, axis=0)) < len(features):
+        raise InputError("features must hold distinct candidates, got equal rows; merge them first.")
+    if pool.shape[1] != features.shape[1]:
+        raise InputError(f"pool must have the candidates' {features.shape[1]} features, got {pool.shape[1]}.")
+    if len(np.unique(pool, axis=0)) < 2:
+        raise InputError("pool must hold at least two items of different features, got one.")
+    if not 0 < weights.radius < np.inf:
+        raise InputError(f"the radius W of weights must be a positive number, got {weights.radius}.")
+    if not 0 < delta < 1:
+        raise InputError(f"delta must lie strictly between 0 and 1, got {delta}.")
+    if reference is not None and reference.shape != features.shape[1:]:
+        raise InputError(f"reference must have the candidates' {features.shape[1]} features, got {len(reference)}.")

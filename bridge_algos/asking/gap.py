@@ -1,0 +1,148 @@
+r"""The certified gap of the recommended candidate: every contender gets its own bound (companion G3 and G3').
+
+.. math:: U(\pi^*) - U(\hat\pi) - \rho\,(U(\hat\pi) - U(\pi_0))
+          \le \max_\pi \max_{w \in C_t} \langle \phi(\pi) - (1 + \rho) \phi(\hat\pi) + \rho \phi(\pi_0), w \rangle
+
+A contender matters only if it is the best one; so its maximum is taken over the weights under which it beats its rivals.
+The bounds hold for all t at once, so that a bound found earlier stays valid: each is only ever lowered, and only those
+that decide whether to stop are worked on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from bridge_algos.asking.dual import LikelihoodSet, search
+from bridge_algos.mdp import FloatArray, IntArray
+
+Rivals = Callable[[IntArray], FloatArray]
+"""Features (B, k, d) of policies that each of B candidates must beat if it is the best."""
+
+MOST_ROWS = 16
+"""Rivals used at a time: those that the candidate violates most at the point found without them."""
+
+BATCHES = (1, 2, 8, 32, 128, 512)
+"""Contenders searched at a time, the more the longer nothing above the target is found."""
+
+TOLERANCE = 0.02
+"""How exactly a bound above the target is computed, relative to the scale."""
+
+
+@dataclass(frozen=True, eq=False)
+class Critical:
+    """The contender that a certificate fails at.
+
+    Args:
+        contender: its index.
+        direction: (d,) v, its difference to what it is compared with.
+        weights: (d,) weights in the likelihood set under which it is too good.
+    """
+
+    contender: int
+    direction: FloatArray
+    weights: FloatArray
+
+
+class Gap:
+    """Bounds on how much better each candidate can be than the recommended one.
+
+    Args:
+        features: (N, d) of the candidates, distinct rows.
+        weight_bound: W.
+        target: the bound at which to stop.
+        scale: nats, what bounds are computed to a fraction of.
+        rivals: features of policies that a candidate must beat, besides the candidates themselves; None for none.
+        reference: (d,) features of the reference and rho; None for the gap alone.
+    """
+
+    def __init__(
+        self,
+        features: FloatArray,
+        weight_bound: float,
+        target: float,
+        scale: float,
+        rivals: Rivals | None = None,
+        reference: tuple[FloatArray, float] | None = None,
+    ) -> None:
+        self.features, self.weight_bound, self.target, self.rivals = features, weight_bound, target, rivals
+        self.tolerance = TOLERANCE * scale
+        self.reference = reference
+        self.recommended = 0
+        self.bounds = self._widest(0)
+        self.critical: Critical | None = None
+
+    @property
+    def value(self) -> float:
+        """The largest bound: the certified gap in nats, where there is no reference."""
+        return max(0.0, float(self.bounds.max()))
+
+    def anchor(self, candidate: int) -> FloatArray:
+        """(d,) what contenders are compared with when that candidate is recommended."""
+        own = self.features[candidate]
+        if self.reference is None:
+            return own
+        features, rho = self.reference
+        return np.asarray((1 + rho) * own - rho * features)
+
+    def recommend(self, candidate: int, region: LikelihoodSet) -> None:
+        """Recommend another candidate; what is known about the old differences is carried over."""
+        if candidate == self.recommended:
+            return
+        v = (self.anchor(self.recommended) - self.anchor(candidate))[None]
+        shift = float(search(region, v, np.zeros((1, 0, v.shape[1])), self.tolerance).bound[0])
+        self.bounds = np.minimum(self.bounds + shift, self._widest(candidate))
+        self.recommended = candidate
+
+    def tighten(self, region: LikelihoodSet) -> None:
+        """Lower the largest bounds until all are at most the target, or one is known to lie above it."""
+        passed = 0
+        while self.bounds.max() > self.target:
+            above = np.flatnonzero(self.bounds > self.target)
+            size = min(BATCHES[min(passed, len(BATCHES) - 1)], len(above))
+            chosen = above[np.argpartition(-self.bounds[above], size - 1)[:size]]
+            if self._work_on(region, chosen):
+                return
+            passed += 1
+
+    def _work_on(self, region: LikelihoodSet, chosen: IntArray) -> bool:
+        """Bound some contenders; whether one of them lies above the target."""
+        v = self.features[chosen] - self.anchor(self.recommended)
+        nobody = np.zeros((len(chosen), 0, v.shape[1]))
+        found = search(region, v, nobody, self.tolerance, self.target)
+        self.bounds[chosen] = np.minimum(self.bounds[chosen], found.bound)
+        left = np.flatnonzero(self.bounds[chosen] > self.target)
+        if not len(left):
+            return False
+        rows = self._rows(chosen[left], found.points[left])
+        found = search(region, v[left], rows, self.tolerance, self.target)
+        self.bounds[chosen[left]] = np.minimum(self.bounds[chosen[left]], found.bound)
+        bounds = self.bounds[chosen[left]]
+        worst = int(bounds.argmax())
+        if bounds[worst] <= self.target:
+            return False
+        self.critical = Critical(int(chosen[left][worst]), v[left][worst], found.points[worst])
+        return True
+
+    def _rows(self, contenders: IntArray, points: FloatArray) -> FloatArray:
+        """(B, k, d) unit rows phi(contender) - phi(rival), the most violated at the points; zero rows fill up."""
+        count = min(4, len(self.features))
+        ahead = np.argpartition(-(points @ self.features.T), count - 1, axis=1)[:, :count]
+        others = self.features[ahead]
+        if self.rivals is not None:
+            others = np.concatenate([others, self.rivals(contenders)], axis=1)
+        rows = self.features[contenders][:, None] - others
+        norms = np.linalg.norm(rows, axis=2)
+        rows = np.where(norms[..., None] > 1e-9, rows / np.maximum(norms, 1e-300)[..., None], 0.0)
+        keep = np.argsort(np.einsum("bkd,bd->bk", rows, points), axis=1)[:, :MOST_ROWS]
+        return np.take_along_axis(rows, keep[..., None], axis=1)
+
+    def _widest(self, recommended: int) -> FloatArray:
+        """Bounds that hold before any answer: W ||v||."""
+        lengths = np.linalg.norm(self.features - self.anchor(recommended), axis=1)
+        bounds = np.asarray(self.weight_bound * lengths * (1 + 1e-12))
+        if self.reference is None:
+            bounds[recommended] = 0.0
+        return bounds

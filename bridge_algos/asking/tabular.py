@@ -1,0 +1,98 @@
+"""Asking on a tabular MDP: demonstrations, candidates, a pool of simulated trajectories, and a simulated teacher."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import expit
+
+from bridge_algos.asking.candidates import LISTED, Candidates, deviations, version_space_candidates
+from bridge_algos.asking.elicitation import Ball, Elicitation
+from bridge_algos.asking.utility import Utility
+from bridge_algos.mdp import FloatArray, IntArray, TabularMDP
+from bridge_algos.trajectories import Trajectories, sample_each, sample_trajectories
+
+POOL = 400
+"""Trajectories simulated for the pool, one of each of so many candidates."""
+
+OFFLINE = (
+    "the demonstrator is deterministic and best for the teacher's utility, so that the best policy agrees with every "
+    "demonstration (audit T8)",
+    0.0,
+)
+SAMPLED = ("the best of these candidates is meant: they are a sample of the policies that agree with the demonstrations", 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """What a session is about.
+
+    Args:
+        mdp: known dynamics.
+        utility: of the simulated teacher.
+        demonstrations: that the candidates agree with, or None.
+        candidates: policies to choose from.
+        pool: (M, d) features of trajectories to ask about.
+        owners: (M,) candidate that each was drawn from.
+    """
+
+    mdp: TabularMDP
+    utility: Utility
+    demonstrations: Trajectories | None
+    candidates: Candidates
+    pool: FloatArray
+    owners: IntArray
+
+    def session(self, until: str, delta: float, asking: str, rng: np.random.Generator) -> Elicitation:
+        """A session with a simulated teacher, for whom the same pair asked again is a fresh draw."""
+        candidates = self.candidates
+
+        def rivals(index: IntArray) -> FloatArray:
+            return deviations(self.mdp, self.utility.embedding, candidates.policies[index])
+
+        return Elicitation(
+            candidates.features,
+            Ball(self.utility.weight_bound),
+            self.pool,
+            delta,
+            until,
+            rng,
+            utility_range=self.utility.utility_range,
+            rivals=rivals if candidates.complete else None,
+            owners=self.owners,
+            asking=asking,
+            fresh=True,
+            offline=OFFLINE if candidates.complete else SAMPLED,
+        )
+
+    def true_gap(self, candidate: int) -> float:
+        """Nats by which the best candidate's utility exceeds this one's."""
+        utilities = self.candidates.features @ self.utility.weights
+        return float(utilities.max() - utilities[candidate])
+
+
+def build_problem(
+    mdp: TabularMDP,
+    utility: Utility,
+    n_demonstrations: int,
+    rng: np.random.Generator,
+    demonstrations: Trajectories | None = None,
+    limit: int = LISTED,
+    pool: int = POOL,
+) -> Problem:
+    """A problem with demonstrations of the utility's best policy, or with given ones."""
+    if demonstrations is None and n_demonstrations:
+        demonstrations = sample_trajectories(mdp, utility.best.policy, n_demonstrations, rng)
+    candidates = version_space_candidates(mdp, utility.embedding, demonstrations, limit, rng)
+    owners = rng.integers(len(candidates.policies), size=pool)
+    trajectories = sample_each(mdp, candidates.policies[owners], 1, rng)
+    features = utility.embedding.of_trajectories(trajectories)
+    return Problem(mdp, utility, demonstrations, candidates, features, owners)
+
+
+def simulated_answer(weights: FloatArray, difference: FloatArray, rng: np.random.Generator) -> int:
+    """The answer of a Bradley-Terry teacher."""
+    return int(rng.random() < expit(difference @ weights))
+
+

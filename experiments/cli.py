@@ -17,6 +17,7 @@ SUBCOMMANDS = {
     "expert": ("bridge_algos.continuous.expert_cli", "train, evaluate and record experts for MuJoCo Reacher and Ant"),
     "report": ("experiments.report.cli", "runs and reproductions as one self-contained page"),
     "bounds": ("experiments.bounds", "evaluate the paper's bounds for a setting"),
+    "ask": ("bridge_algos.asking.cli", "ask preference questions until the answers certify a policy"),
     "verify": ("proofs_checks.verify.cli", "does a run's log prove its regret bounds?"),
     "check": ("proofs_checks.cli", "is each statement of the paper true? run the machine evidence"),
     "plan": ("bridge_theory.cli.plan", "how many demonstrations or queries a target needs"),

@@ -75,8 +75,21 @@ def version_space_candidates(
         drawn = random_policies(limit, mdp.n_states, mdp.n_actions, rng)
         policies = np.where(open_, drawn, recorded)
     features, _ = expected_features(mdp.dynamics, policies, embedding)
-    _, first = np.unique(np.round(features, DIGITS), axis=0, return_index=True)
+    first = distinct_rows(features)
     return Candidates(policies[first], features[first], size, size <= limit)
+
+
+def distinct_rows(features: FloatArray) -> IntArray:
+    """Indices of one row for each distinct row, in increasing order; rows that agree to DIGITS decimals are equal.
+
+    Rows are sorted by a 64-bit hash of the rounded numbers, and equality is then checked.
+    """
+    rounded = np.round(features * 10.0**DIGITS).astype(np.int64)
+    multipliers = np.random.default_rng(0).integers(-(2**63), 2**63 - 1, size=features.shape[1]) | 1
+    _, first, group = np.unique(rounded @ multipliers, return_index=True, return_inverse=True)
+    if (rounded != rounded[first[group]]).any():  # two different rows have the same hash
+        _, first = np.unique(rounded, axis=0, return_index=True)
+    return np.sort(first)
 
 
 def deviations(mdp: TabularMDP, embedding: Embedding, policies: IntArray) -> FloatArray:

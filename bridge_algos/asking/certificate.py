@@ -45,7 +45,5 @@ class Certificate:
             return f"Not certified after {count}, {among}: the gap is at most {self.gap:.4g} nats; the goal is that {self.goal}."
         return (
             f"Certified after {count}, {among}: {self.goal}. This fails with probability at most "
-            f"{self.failure_probability:.4g}, whenever the session is stopped, if "
-            + "; ".join(self.assumptions)
-            + "."
+            f"{self.failure_probability:.4g}, whenever the session is stopped, if " + "; ".join(self.assumptions) + "."
         )

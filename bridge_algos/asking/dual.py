@@ -55,6 +55,7 @@ class Certificates:
         points: (B, d) w_0.
         multipliers: (B,) c.
         rival_multipliers: (B, k) mu.
+        rest: (B, d) the vector v + c grad + D' mu, whose norm is part of the bound.
     """
 
     bound: FloatArray
@@ -62,11 +63,12 @@ class Certificates:
     points: FloatArray
     multipliers: FloatArray
     rival_multipliers: FloatArray
+    rest: FloatArray
 
 
 def dual_bounds(
     region: LikelihoodSet, v: FloatArray, rows: FloatArray, w0: FloatArray, c: FloatArray, mu: FloatArray
-) -> FloatArray:
+) -> tuple[FloatArray, FloatArray]:
     """The right-hand side of the certificate, rounded up, for B contenders.
 
     Args:
@@ -75,7 +77,7 @@ def dual_bounds(
         w0, c, mu: (B, d), (B,), (B, k); c and mu at least 0.
 
     Returns:
-        (B,) upper bounds.
+        (B,) upper bounds, and (B, d) the vectors whose norms are part of them.
     """
     value, gradient, _ = region.answers.derivatives(w0)
     along = np.vecdot(gradient, w0)
@@ -85,7 +87,7 @@ def dual_bounds(
     size = c * (1 + np.abs(value) + np.abs(along) + abs(region.level))
     sums = np.abs(v).sum(axis=1) + mu.sum(axis=1) + c * np.abs(gradient).sum(axis=1)
     counted = c * (region.answers.total * (1 + np.abs(region.answers.differences).max(initial=0.0)))
-    return np.asarray(bound + ROUNDING * (1 + size + region.weight_bound * (sums + 1e-3 * counted)))
+    return np.asarray(bound + ROUNDING * (1 + size + region.weight_bound * (sums + 1e-3 * counted))), rest
 
 
 def search(
@@ -104,7 +106,7 @@ def search(
     w = np.repeat(region.interior[None], size, axis=0)
     s = np.maximum(0, -np.einsum("bkd,bd->bk", rows, w).min(axis=1, initial=0.0)) + 0.1 * region.weight_bound
     best = Certificates(
-        np.full(size, np.inf), np.full(size, -np.inf), w.copy(), np.zeros(size), np.zeros((size, k))
+        np.full(size, np.inf), np.full(size, -np.inf), w.copy(), np.zeros(size), np.zeros((size, k)), v.copy()
     )
     active = np.arange(size)
     for _ in range(STAGES):
@@ -129,11 +131,11 @@ def _record(best: Certificates, problem: _Barrier, active: np.ndarray, w: FloatA
     mu = 1 / (tau[:, None] * margins)
     c = _best_multiplier(region, v + np.einsum("bk,bkd->bd", mu, rows), w, 1 / (tau * slack))
     reached = np.vecdot(v, w) - (PENALTY * s if rows.shape[1] else 0)
-    bound = dual_bounds(region, v, rows, w, c, mu)
+    bound, rest = dual_bounds(region, v, rows, w, c, mu)
     better = bound < best.bound[active]
     to = active[better]
     best.bound[to], best.points[to] = bound[better], w[better]
-    best.multipliers[to], best.rival_multipliers[to] = c[better], mu[better]
+    best.multipliers[to], best.rival_multipliers[to], best.rest[to] = c[better], mu[better], rest[better]
     closer = better | (reached > best.reached[active])
     best.reached[active] = np.maximum(best.reached[active], reached)
     return closer
@@ -187,7 +189,9 @@ class _Barrier:
                 after = self.value(
                     at[waiting], w[here] + length[waiting, None] * dw[waiting], s[here] + length[waiting] * ds[waiting]
                 )
-                short = after < before[waiting] + 0.05 * length[waiting] * rise[waiting] - 1e-9 * np.abs(before[waiting])
+                short = after < before[waiting] + 0.05 * length[waiting] * rise[waiting] - 1e-9 * np.abs(
+                    before[waiting]
+                )
                 waiting = waiting[short]
                 if not len(waiting):
                     break

@@ -24,6 +24,7 @@ from numpy.typing import ArrayLike
 from scipy.special import expit
 
 from bridge_algos.asking.answers import Answers
+from bridge_algos.asking.candidates import distinct_rows
 from bridge_algos.asking.certificate import Certificate
 from bridge_algos.asking.evidence import Evidence
 from bridge_algos.asking.gap import Gap, Rivals
@@ -230,9 +231,7 @@ def _matrix(name: str, given: ArrayLike) -> FloatArray:
 
 
 def _check(features: FloatArray, pool: FloatArray, weights: Ball, delta: float, reference: FloatArray | None) -> None:
-    if len(features) < 2:
-        raise InputError("features must hold at least two candidates, got one; it needs no question.")
-    if len(np.unique(features, axis=0)) < len(features):
+    if len(distinct_rows(features)) < len(features):
         raise InputError("features must hold distinct candidates, got equal rows; merge them first.")
     if pool.shape[1] != features.shape[1]:
         raise InputError(f"pool must have the candidates' {features.shape[1]} features, got {pool.shape[1]}.")

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bridge_algos.asking.dual import LikelihoodSet, search
+from bridge_algos.asking.dual import Certificates, LikelihoodSet, search
 from bridge_algos.mdp import FloatArray, IntArray
 
 Rivals = Callable[[IntArray], FloatArray]
@@ -24,8 +24,11 @@ Rivals = Callable[[IntArray], FloatArray]
 MOST_ROWS = 16
 """Rivals used at a time: those that the candidate violates most at the point found without them."""
 
-BATCHES = (1, 2, 8, 32, 128, 512)
+BATCHES = (1, 2, 8, 32, 64)
 """Contenders searched at a time, the more the longer nothing above the target is found."""
+
+SHARED, SHARED_BLOCK = 32, 4096
+"""Contenders from which on certificates are tried on their neighbours, and neighbours tried at a time."""
 
 TOLERANCE = 0.02
 """How exactly a bound above the target is computed, relative to the scale."""
@@ -103,6 +106,8 @@ class Gap:
             above = np.flatnonzero(self.bounds > self.target)
             size = min(BATCHES[min(passed, len(BATCHES) - 1)], len(above))
             chosen = above[np.argpartition(-self.bounds[above], size - 1)[:size]]
+            if size >= SHARED:  # far from each other rather than near the top, so that their certificates reach further
+                chosen = above[np.linspace(0, len(above) - 1, size).astype(np.int64)]
             if self._work_on(region, chosen):
                 return
             passed += 1
@@ -113,12 +118,14 @@ class Gap:
         nobody = np.zeros((len(chosen), 0, v.shape[1]))
         found = search(region, v, nobody, self.tolerance, self.target)
         self.bounds[chosen] = np.minimum(self.bounds[chosen], found.bound)
+        self._share(chosen, found, np.ones(len(chosen)))
         left = np.flatnonzero(self.bounds[chosen] > self.target)
         if not len(left):
             return False
-        rows = self._rows(chosen[left], found.points[left])
+        rows, norms = self._rows(chosen[left], found.points[left])
         found = search(region, v[left], rows, self.tolerance, self.target)
         self.bounds[chosen[left]] = np.minimum(self.bounds[chosen[left]], found.bound)
+        self._share(chosen[left], found, 1 + (found.rival_multipliers / norms).sum(axis=1))
         bounds = self.bounds[chosen[left]]
         worst = int(bounds.argmax())
         if bounds[worst] <= self.target:
@@ -126,18 +133,45 @@ class Gap:
         self.critical = Critical(int(chosen[left][worst]), v[left][worst], found.points[worst])
         return True
 
-    def _rows(self, contenders: IntArray, points: FloatArray) -> FloatArray:
-        """(B, k, d) unit rows phi(contender) - phi(rival), the most violated at the points; zero rows fill up."""
-        count = min(4, len(self.features))
-        ahead = np.argpartition(-(points @ self.features.T), count - 1, axis=1)[:, :count]
-        others = self.features[ahead]
+    def _share(self, chosen: IntArray, found: Certificates, factor: FloatArray) -> None:
+        """Bound the neighbours of contenders by their certificates, which lose W (1 + sum mu) per unit of distance.
+
+        Every rival of a contender is a rival of its neighbour too; so the same dual point bounds both.
+        """
+        others = np.flatnonzero(self.bounds > self.target)
+        if len(chosen) < SHARED or len(others) < SHARED:
+            return
+        good = found.bound <= self.target
+        chosen, rest, factor, bound = chosen[good], found.rest[good], factor[good], found.bound[good]
+        own = np.vecdot(rest, rest)
+        for part in range(0, len(others), SHARED_BLOCK):
+            at = others[part : part + SHARED_BLOCK]
+            # || rest + factor (phi' - phi) ||^2, expanded so that it is one product
+            shift = rest - factor[:, None] * self.features[chosen]
+            squares = np.vecdot(shift, shift)[:, None] + 2 * factor[:, None] * (shift @ self.features[at].T)
+            squares += factor[:, None] ** 2 * np.vecdot(self.features[at], self.features[at])
+            size = np.abs(squares).max(initial=0.0) + np.vecdot(self.features[at], self.features[at]).max(initial=0.0)
+            lengths = np.sqrt(np.maximum(squares, 0) + 1e-13 * size * factor[:, None] ** 2)
+            bounds = bound[:, None] + self.weight_bound * (lengths - np.sqrt(own)[:, None])
+            self.bounds[at] = np.minimum(self.bounds[at], bounds.min(axis=0, initial=np.inf) * (1 + 1e-12) + 1e-12)
+
+    def _rows(self, contenders: IntArray, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Unit rows phi(contender) - phi(rival), (B, k, d), the most violated at the points, and their lengths (B, k).
+
+        Zero rows, of length infinity, fill up.
+        """
+        ahead = (points @ self.features.T).argmax(axis=1)
+        others = np.stack(
+            [self.features[ahead], np.broadcast_to(self.features[self.recommended], points.shape)], axis=1
+        )
         if self.rivals is not None:
             others = np.concatenate([others, self.rivals(contenders)], axis=1)
         rows = self.features[contenders][:, None] - others
         norms = np.linalg.norm(rows, axis=2)
-        rows = np.where(norms[..., None] > 1e-9, rows / np.maximum(norms, 1e-300)[..., None], 0.0)
+        norms = np.where(norms > 1e-9, norms, np.inf)
+        rows = rows / norms[..., None]
         keep = np.argsort(np.einsum("bkd,bd->bk", rows, points), axis=1)[:, :MOST_ROWS]
-        return np.take_along_axis(rows, keep[..., None], axis=1)
+        return np.take_along_axis(rows, keep[..., None], axis=1), np.take_along_axis(norms, keep, axis=1)
 
     def _widest(self, recommended: int) -> FloatArray:
         """Bounds that hold before any answer: W ||v||."""

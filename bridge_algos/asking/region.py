@@ -24,7 +24,8 @@ def is_empty(answers: Answers, level: float, weight_bound: float, near: FloatArr
     w = _inner_fit(answers, weight_bound, near, 1e-7)[None]
     region = LikelihoodSet(answers, level, weight_bound, w[0])
     nothing = np.zeros_like(w)
-    return bool(dual_bounds(region, nothing, np.zeros((1, 0, w.shape[1])), w, np.ones(1), np.zeros((1, 0)))[0] < 0)
+    bound, _ = dual_bounds(region, nothing, np.zeros((1, 0, w.shape[1])), w, np.ones(1), np.zeros((1, 0)))
+    return bool(bound[0] < 0)
 
 
 def _inner_fit(answers: Answers, weight_bound: float, w: FloatArray, weight: float) -> FloatArray:

@@ -141,4 +141,3 @@ def choose(name: str, state: State, rng: np.random.Generator, asked: set[tuple[i
     if not np.isfinite(scores[first, second]):
         raise InputError("every pair of the pool has been asked, or shows no difference; give a larger pool.")
     return first, second
-

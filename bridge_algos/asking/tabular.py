@@ -7,21 +7,29 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import expit
 
-from bridge_algos.asking.candidates import LISTED, Candidates, deviations, version_space_candidates
+from bridge_algos.asking.candidates import LISTED, Candidates, deviations, recorded_actions, version_space_candidates
 from bridge_algos.asking.elicitation import Ball, Elicitation
-from bridge_algos.asking.utility import Utility
+from bridge_algos.asking.utility import Utility, step_features
 from bridge_algos.mdp import FloatArray, IntArray, TabularMDP
+from bridge_algos.occupancy import state_action_occupancies
 from bridge_algos.trajectories import Trajectories, sample_each, sample_trajectories
 
 POOL = 400
 """Trajectories simulated for the pool, one of each of so many candidates."""
+
+REFERENCES = ("random", "clone", "worst")
+"""Whom shares are measured against: the uniformly random policy, the clone (uniform where
+nothing was demonstrated), or the candidate that is worst for the simulated teacher."""
 
 OFFLINE = (
     "the demonstrator is deterministic and best for the teacher's utility, so that the best policy agrees with every "
     "demonstration (audit T8)",
     0.0,
 )
-SAMPLED = ("the best of these candidates is meant: they are a sample of the policies that agree with the demonstrations", 0.0)
+SAMPLED = (
+    "the best of these candidates is meant: they are a sample of the policies that agree with the demonstrations",
+    0.0,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +41,7 @@ class Problem:
         utility: of the simulated teacher.
         demonstrations: that the candidates agree with, or None.
         candidates: policies to choose from.
-        pool: (M, d) features of trajectories to ask about.
+        pool: the M trajectories that questions show.
         owners: (M,) candidate that each was drawn from.
     """
 
@@ -41,10 +49,24 @@ class Problem:
     utility: Utility
     demonstrations: Trajectories | None
     candidates: Candidates
-    pool: FloatArray
+    pool: Trajectories
     owners: IntArray
 
-    def session(self, until: str, delta: float, asking: str, rng: np.random.Generator) -> Elicitation:
+    def reference(self, name: str) -> FloatArray:
+        """(d,) features of a reference: one of REFERENCES."""
+        if name == "worst":
+            return self.candidates.features[int((self.candidates.features @ self.utility.weights).argmin())]
+        n_states, n_actions = self.mdp.n_states, self.mdp.n_actions
+        policy = np.full((n_states, n_actions), 1 / n_actions)
+        if name == "clone" and self.demonstrations is not None:
+            recorded = recorded_actions(self.demonstrations, n_states)
+            policy[recorded >= 0] = np.eye(n_actions)[recorded[recorded >= 0]]
+        visits = state_action_occupancies(self.mdp.dynamics, policy).sum(axis=0)
+        return np.asarray(np.einsum("sa,sad->d", visits, step_features(self.utility.embedding.name, self.mdp)))
+
+    def session(
+        self, until: str, delta: float, asking: str, rng: np.random.Generator, reference: str = "random"
+    ) -> Elicitation:
         """A session with a simulated teacher, for whom the same pair asked again is a fresh draw."""
         candidates = self.candidates
 
@@ -54,11 +76,12 @@ class Problem:
         return Elicitation(
             candidates.features,
             Ball(self.utility.weight_bound),
-            self.pool,
+            self.utility.embedding.of_trajectories(self.pool),
             delta,
             until,
             rng,
             utility_range=self.utility.utility_range,
+            reference=self.reference(reference),
             rivals=rivals if candidates.complete else None,
             owners=self.owners,
             asking=asking,
@@ -87,12 +110,9 @@ def build_problem(
     candidates = version_space_candidates(mdp, utility.embedding, demonstrations, limit, rng)
     owners = rng.integers(len(candidates.policies), size=pool)
     trajectories = sample_each(mdp, candidates.policies[owners], 1, rng)
-    features = utility.embedding.of_trajectories(trajectories)
-    return Problem(mdp, utility, demonstrations, candidates, features, owners)
+    return Problem(mdp, utility, demonstrations, candidates, trajectories, owners)
 
 
 def simulated_answer(weights: FloatArray, difference: FloatArray, rng: np.random.Generator) -> int:
     """The answer of a Bradley-Terry teacher."""
     return int(rng.random() < expit(difference @ weights))
-
-

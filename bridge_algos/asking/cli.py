@@ -1,0 +1,114 @@
+"""``bridge-rl ask``: how many answers certify a recommendation, with a simulated teacher."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+from typing import Any
+
+from bridge_algos.asking.config import AskConfig
+from bridge_algos.asking.goal import FORMS
+from bridge_algos.asking.rules import RULES
+from bridge_algos.asking.tabular import REFERENCES
+from bridge_algos.asking.utility import ADDITIVE
+from bridge_algos.envs.registry import mdp_names
+from bridge_theory.cli.options import Parser
+from bridge_theory.errors import InputError
+
+
+def main(argv: list[str]) -> int:
+    """Ask, print what was certified; status 0 also where nothing is certified, which is said in words."""
+    options = _parser().parse_args(argv)
+    config = _configuration(options)
+    from bridge_algos.asking.study import run_study, summary
+
+    directory = options.out or Path("out") / f"ask-{Path(config.environment).stem}"
+    outcomes = run_study(config, directory, options.seeds, options.jobs)
+    found = summary(outcomes)
+    if options.json:
+        print(json.dumps(found, indent=2))
+        return 0
+    print(table(outcomes))
+    print()
+    print(in_words(config, found))
+    print(f"sessions: {directory}; check them with 'bridge-rl verify {directory}'")
+    return 0
+
+
+def table(outcomes: list[dict[str, Any]]) -> str:
+    """One line a seed."""
+    lines = [f"{'seed':>4} {'questions':>9} {'gap <=':>8} {'true gap':>8} {'covered':>7} {'candidates':>10}"]
+    for row in outcomes:
+        asked = "-" if row["questions"] is None else str(row["questions"])
+        covered = "yes" if row["covered"] else "no"
+        lines.append(
+            f"{row['seed']:>4} {asked:>9} {row['certified_gap']:>8.3f} {row['true_gap']:>8.3f} {covered:>7} "
+            f"{row['candidates']:>10}"
+        )
+    return "\n".join(lines)
+
+
+def in_words(config: AskConfig, found: dict[str, Any]) -> str:
+    """The summary in sentences."""
+    total = len(found["seeds"])
+    median = found["median_questions"]
+    asked = f"more than {config.max_questions}" if median is None else f"{median:.0f}"
+    sentence = f"{found['certified']} of {total} sessions are certified; the median needs {asked} questions"
+    if found["quantile_90"] is not None:
+        sentence += f", 90 % need at most {found['quantile_90']:.0f}"
+    single = found["seeds_with_one_candidate"]
+    if single:
+        rest = found["median_where_something_is_open"]
+        sentence += f". In {single} the demonstrations leave one candidate and nothing to ask"
+        if rest is not None:
+            sentence += f"; the median of the others is {rest:.0f}"
+    return sentence + "."
+
+
+def _parser() -> argparse.ArgumentParser:
+    p = Parser(prog="bridge-rl ask", description="Ask preference questions until the answers certify a policy.")
+    p.add_argument("environment", help=f"one of {', '.join(mdp_names())}, or an MDP's .npz file")
+    p.add_argument("--teacher", default="simulated", choices=("simulated",), help="who answers (default simulated)")
+    p.add_argument(
+        "--range", type=float, metavar="NATS", help="best minus worst utility (default 5); then W = 2 ||w*||"
+    )
+    p.add_argument("--BW", type=float, metavar="X", help="instead of --range: B W = X, with ||w*|| = W")
+    p.add_argument(
+        "--until",
+        default="10%",
+        help=f"when to stop: {FORMS} (default 10%%)".replace("'10%'", "'10%%'").replace("90%'", "90%%'"),
+    )
+    p.add_argument("--delta", type=float, default=0.05, help="failure probability of a session (default 0.05)")
+    p.add_argument("--demonstrations", type=int, metavar="N", help="by the best stationary policy (default 2)")
+    p.add_argument("--demos", metavar="FILE", help="demonstrations (.npz) that every seed uses instead")
+    p.add_argument("--embedding", default="state_action_counts", help=f"one of {', '.join(ADDITIVE)}")
+    p.add_argument("--asking", default="pool", help=f"which questions: {', '.join(RULES)} (default pool)")
+    p.add_argument("--reference", default="random", help=f"for shares: {', '.join(REFERENCES)} (default random)")
+    p.add_argument("--seeds", type=int, default=20, help="number of sessions (default 20)")
+    p.add_argument("--max-questions", type=int, default=1000, metavar="N", help="end a session here (default 1000)")
+    p.add_argument("--out", type=Path, help="directory of the sessions (default out/ask-ENVIRONMENT)")
+    p.add_argument("--jobs", type=int, default=-1, help="processes (default: all cores); does not change the numbers")
+    p.add_argument("--json", action="store_true", help="print JSON")
+    return p
+
+
+def _configuration(options: argparse.Namespace) -> AskConfig:
+    if options.demos is not None and options.demonstrations is not None:
+        raise InputError("--demos and --demonstrations exclude each other; give one.")
+    if options.range is not None and options.BW is not None:
+        raise InputError("--range and --BW exclude each other; give one.")
+    given = options.demonstrations
+    return AskConfig(
+        environment=options.environment,
+        embedding=options.embedding,
+        utility_range=None if options.BW is not None else 5.0 if options.range is None else options.range,
+        weight_norm=options.BW,
+        until=options.until,
+        delta=options.delta,
+        n_demonstrations=0 if options.demos is not None else 2 if given is None else given,
+        demonstrations=options.demos,
+        asking=options.asking,
+        reference=options.reference,
+        max_questions=options.max_questions,
+    )

@@ -12,8 +12,8 @@ class Certificate:
     Args:
         certified: whether the goal is reached.
         recommended: index of the recommended candidate.
-        gap: nats; the best candidate's utility exceeds the recommended one's by at most this. A bound: where the goal is
-            not reached, candidates that do not decide have bounds that may be far from tight.
+        gap: nats; the best candidate's utility exceeds the recommended one's by at most this. Where the goal is not
+            reached, the bound may be far from tight: only what decides is computed.
         share: of what there is to gain over the reference, at least this much is gained; None without a reference, 0
             where nothing is certified.
         failure_probability: delta, for the whole session and every way of stopping it, plus that of the candidates.
@@ -42,7 +42,10 @@ class Certificate:
         count = f"{self.answers} answer{'' if self.answers == 1 else 's'}"
         among = f"about these {self.candidates} candidates"
         if not self.certified:
-            return f"Not certified after {count}, {among}: the gap is at most {self.gap:.4g} nats; the goal is that {self.goal}."
+            return (
+                f"Not certified after {count}, {among}: the gap is at most {self.gap:.4g} nats; the goal is that "
+                f"{self.goal}."
+            )
         return (
             f"Certified after {count}, {among}: {self.goal}. This fails with probability at most "
             f"{self.failure_probability:.4g}, whenever the session is stopped, if " + "; ".join(self.assumptions) + "."

@@ -1,7 +1,7 @@
-r"""How far apart two candidates can be over the likelihood set: a bound by duality (companion G2), never by an optimiser.
+r"""How far apart two candidates can be over the likelihood set: a bound by duality (companion G2).
 
-For weights in Ball(W) with :math:`\ell_t(w) \ge L` and :math:`D w \ge 0` (the rows of D say that the contender beats its
-rivals), every direction v, point w_0, :math:`c \ge 0` and :math:`\mu \ge 0`
+For weights in Ball(W) with :math:`\ell_t(w) \ge L` and :math:`D w \ge 0` (the rows of D say that the contender beats
+its rivals), every direction v, point w_0, :math:`c \ge 0` and :math:`\mu \ge 0`
 
 .. math:: \langle v, w \rangle \le c\,(\ell_t(w_0) - \langle \nabla \ell_t(w_0), w_0 \rangle - L)
           + W \| v + c \nabla \ell_t(w_0) + D^T \mu \|_2 .
@@ -93,12 +93,12 @@ def dual_bounds(
 def search(
     region: LikelihoodSet, v: FloatArray, rows: FloatArray, tolerance: float, target: float | None = None
 ) -> Certificates:
-    """Certificates of B contenders, to a tolerance, or as good as needed to decide whether a bound is at most ``target``.
+    """Certificates of B contenders, to a tolerance, or good enough to decide whether a bound is at most ``target``.
 
     Maximises <v, w> - PENALTY s over the set with D w >= -s, s >= 0, by a barrier method. With a target a contender's
     search also ends when its bound is at most the target, or when a point above the target is reached.
     """
-    size, d = v.shape
+    size = len(v)
     k = rows.shape[1]
     problem = _Barrier(region, v, rows, np.full(size, 1.0))
     scale = region.weight_bound * np.maximum(np.linalg.norm(v, axis=1), 1e-12)
@@ -138,7 +138,7 @@ def _record(best: Certificates, problem: _Barrier, active: np.ndarray, w: FloatA
     best.multipliers[to], best.rival_multipliers[to], best.rest[to] = c[better], mu[better], rest[better]
     closer = better | (reached > best.reached[active])
     best.reached[active] = np.maximum(best.reached[active], reached)
-    return closer
+    return np.asarray(closer)
 
 
 def _best_multiplier(region: LikelihoodSet, u: FloatArray, w: FloatArray, c: FloatArray) -> FloatArray:

@@ -2,8 +2,8 @@ r"""The evidence of the answers, from below: :math:`Q(q) = E_q[\ell_t] - KL(q \|
 
 With the prior :math:`\nu` fixed before the first answer, :math:`\ell_t(w^*) \ge Q - \log(1/\delta)` holds for all t and
 all densities q at once, with probability at least :math:`1 - \delta`; so whatever finds q need not be trusted. Here
-:math:`\nu` is an equal mixture of normal laws :math:`N(0, I/\lambda_k)`, q is normal for each of them, and the mixture's
-evidence is at least :math:`\log \frac1k \sum_k e^{Q_k}`.
+:math:`\nu` is an equal mixture of normal laws :math:`N(0, I/\lambda_k)`, q is normal for each of them, and the
+mixture's evidence is at least :math:`\log \frac1k \sum_k e^{Q_k}`.
 
 :math:`E_q[\log \sigma(\langle x, w\rangle)]` is an integral against a normal law, computed by the trapezoidal rule. For
 a function that is analytic in a strip :math:`|Im\, u| \le a` the rule with step h errs by at most
@@ -161,4 +161,4 @@ def _improved(component: Component, answers: Answers, steps: int) -> tuple[Float
         step = cho_solve(factor, x.T @ (answers.ones - total * (p @ masses)) - component.precision * mean)
         largest = np.abs(x @ step).max(initial=0.0)
         mean = mean + step * min(1.0, 3.0 / max(largest, 1e-12))
-    return mean, (covariance + covariance.T) / 2
+    return np.asarray(mean), np.asarray((covariance + covariance.T) / 2)

@@ -3,8 +3,8 @@ r"""The certified gap of the recommended candidate: every contender gets its own
 .. math:: U(\pi^*) - U(\hat\pi) - \rho\,(U(\hat\pi) - U(\pi_0))
           \le \max_\pi \max_{w \in C_t} \langle \phi(\pi) - (1 + \rho) \phi(\hat\pi) + \rho \phi(\pi_0), w \rangle
 
-A contender matters only if it is the best one; so its maximum is taken over the weights under which it beats its rivals.
-The bounds hold for all t at once, so that a bound found earlier stays valid: each is only ever lowered, and only those
+A contender matters only if it is the best one; so its maximum is taken over the weights under which it beats its
+rivals. The bounds hold for all t at once, so that a bound found earlier stays valid: each is only ever lowered, and only those
 that decide whether to stop are worked on.
 """
 
@@ -86,7 +86,7 @@ class Gap:
         """(d,) what contenders are compared with when that candidate is recommended."""
         own = self.features[candidate]
         if self.reference is None:
-            return own
+            return np.asarray(own)
         features, rho = self.reference
         return np.asarray((1 + rho) * own - rho * features)
 

@@ -55,8 +55,8 @@ def goal(text: str, utility_range: float | None = None) -> Goal:
     0.2
     >>> goal("ten")
     Traceback (most recent call last):
-    bridge_theory.errors.InputError: until must be '10%' of a declared range, '0.2nats', or 'share=90%' of what there is to
-    gain over a reference, got 'ten'.
+    bridge_theory.errors.InputError: until must be '10%' of a declared range, '0.2nats', or 'share=90%' of what there
+    is to gain over a reference, got 'ten'.
     """
     given = str(text).strip()
     match = re.fullmatch(r"(share=)?(\d+(?:\.\d*)?|\.\d+)\s*(%|nats)", given)

@@ -1,7 +1,7 @@
-r"""Which two items of a pool to ask about. Any choice is valid (companion G8); they differ in how many answers they need.
+r"""Which two items of a pool to ask about. Any choice is valid (companion G8); some need fewer answers than others.
 
 ================  =====================================================================================================
-``pool``          the pair that most lowers the variance of the critical difference v, p(1-p)(x'A^-1 v)^2 / (1+p(1-p)x'A^-1 x)
+``pool``          the pair that lowers most the variance v'A^-1 v of the critical difference v (G8)
 ``information``   the pair with the largest mutual information between answer and weights (the rule of APReL)
 ``paper``         the paper's: the pair of greatest width ||x||_(A^-1)
 ``challenger``    an item of the recommended candidate against one of the critical contender
@@ -56,7 +56,7 @@ def _squared_widths(state: State) -> FloatArray:
     """(M, M) x' A^-1 x of every pair."""
     y = state.items @ np.linalg.cholesky(state.covariance)
     norms = np.vecdot(y, y)
-    return np.maximum(norms[:, None] + norms[None] - 2 * (y @ y.T), 0.0)
+    return np.asarray(np.maximum(norms[:, None] + norms[None] - 2 * (y @ y.T), 0.0))
 
 
 def _chances(state: State) -> FloatArray:

@@ -1,6 +1,6 @@
 """A session as one JSON file: what was asked, what was answered, and what is claimed; whole or absent, never a pickle.
 
-Questions and answers are all that a checker needs; the claims and the teacher's weights stand beside them to be compared.
+Questions and answers are all that a checker needs; claims and the teacher's weights stand beside, to be compared.
 """
 
 from __future__ import annotations

@@ -55,7 +55,7 @@ class Problem:
     def reference(self, name: str) -> FloatArray:
         """(d,) features of a reference: one of REFERENCES."""
         if name == "worst":
-            return self.candidates.features[int((self.candidates.features @ self.utility.weights).argmin())]
+            return np.asarray(self.candidates.features[int((self.candidates.features @ self.utility.weights).argmin())])
         n_states, n_actions = self.mdp.n_states, self.mdp.n_actions
         policy = np.full((n_states, n_actions), 1 / n_actions)
         if name == "clone" and self.demonstrations is not None:

@@ -1,7 +1,8 @@
 r"""What a simulated teacher judges: a utility :math:`\langle \phi, w^* \rangle` of a declared range in nats.
 
-The range is best minus worst expected utility over all policies, history-dependent ones included, by dynamic programming.
-w* is the shortest of the weights that give these preferences: what all trajectories have in common cannot be asked about.
+The range is best minus worst expected utility over all policies, history-dependent ones included, by dynamic
+programming. w* is the shortest of the weights that give these preferences: what all trajectories have in common cannot
+be asked about.
 """
 
 from __future__ import annotations
@@ -103,13 +104,13 @@ def _fitted(mdp: TabularMDP, embedding: Embedding, per_step: FloatArray) -> tupl
     flat = per_step.reshape(-1, per_step.shape[2])
     exact = np.linalg.lstsq(flat, rewards.ravel(), rcond=None)[0]
     if np.abs(flat @ exact - rewards.ravel()).max() < 1e-9 * max(1.0, float(np.abs(rewards).max())):
-        return exact, 0.0
+        return np.asarray(exact), 0.0
     rng = np.random.default_rng(FIT_SEED)
     policies = random_policies(FIT_POLICIES, mdp.n_states, mdp.n_actions, rng)
     features, returns = expected_features(mdp.dynamics, policies, embedding, rewards, mdp.horizon)
     raw = np.linalg.lstsq(features - features.mean(axis=0), returns - returns.mean(), rcond=None)[0]
     errors = features @ raw - returns
-    return raw, float(np.abs(errors - errors.mean()).max())
+    return np.asarray(raw), float(np.abs(errors - errors.mean()).max())
 
 
 def _shortest(weights: FloatArray, per_step: FloatArray) -> FloatArray:

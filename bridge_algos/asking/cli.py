@@ -77,7 +77,7 @@ def _parser() -> argparse.ArgumentParser:
     p.add_argument(
         "--until",
         default="10%",
-        help=f"when to stop: {FORMS} (default 10%%)".replace("'10%'", "'10%%'").replace("90%'", "90%%'"),
+        help=f"when to stop: {FORMS.replace('%', '%%')} (default 10%%)",
     )
     p.add_argument("--delta", type=float, default=0.05, help="failure probability of a session (default 0.05)")
     p.add_argument("--demonstrations", type=int, metavar="N", help="by the best stationary policy (default 2)")

@@ -16,8 +16,10 @@ True
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass
 from math import log
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,10 +28,11 @@ from scipy.special import expit
 from bridge_algos.asking.answers import Answers
 from bridge_algos.asking.candidates import distinct_rows
 from bridge_algos.asking.certificate import Certificate
+from bridge_algos.asking.dual import LikelihoodSet, search
 from bridge_algos.asking.evidence import Evidence
 from bridge_algos.asking.gap import Gap, Rivals
 from bridge_algos.asking.goal import goal
-from bridge_algos.asking.region import is_empty, likelihood_set
+from bridge_algos.asking.region import is_empty, likelihood_set, needs_weight_bound
 from bridge_algos.asking.rules import State, check_rule, choose
 from bridge_algos.mdp import FloatArray
 from bridge_theory.errors import InputError
@@ -114,6 +117,7 @@ class Elicitation:
         self.answers = Answers(dimension)
         self.evidence = Evidence([scale * unit for scale in PRIOR_SCALES], dimension)
         self._center = np.zeros(dimension)
+        self._region: LikelihoodSet | None = None
         _, groups = np.unique(self.pool, axis=0, return_inverse=True)
         self._groups = groups.ravel()
         self._owners = np.full(len(self.pool), -1) if owners is None else np.asarray(owners)
@@ -152,8 +156,7 @@ class Elicitation:
             asked = None if self.fresh else self._asked
             state = State(self.pool, self._owners, *self._fit(), self.gap.critical, self.recommended, self._groups)
             first, second = choose(self.asking, state, self.rng, asked)
-            difference = self.pool[first] - self.pool[second]
-            self._pending = Question(len(self.history), first, second, difference)
+            self._pending = self._question(first, second)
         return self._pending
 
     def tell(self, question: Question, answer: int | None) -> None:
@@ -179,24 +182,80 @@ class Elicitation:
     @property
     def certificate(self) -> Certificate:
         """What is certified now."""
+        gap, share = self._gap_and_share()
+        bounded = self._region is None or needs_weight_bound(self._region, self.features, self.pool)
         words, chance = self.offline or ("the best of these candidates is meant, not of all policies", 0.0)
         return Certificate(
             certified=self.certified,
             recommended=self.recommended,
-            gap=self.gap.value,
-            share=None,
+            gap=gap,
+            share=share,
             failure_probability=self.delta + chance,
             assumptions=(
-                f"answers follow P(first is better) = sigma(<x, w>) with ||w|| <= {self.weight_bound:.4g}",
+                "answers follow P(first is better) = sigma(<x, w>)"
+                + (f" with ||w|| <= {self.weight_bound:.4g}" if bounded else ""),
                 "questions are left unanswered for no reason that depends on the answer",
                 words,
             ),
-            needs_weight_bound=True,
+            needs_weight_bound=bounded,
             answers=self.answers.total,
             skipped=len(self.history) - self.answers.total,
             candidates=len(self.features),
             goal=self.goal.describe(),
         )
+
+    def record(self) -> dict[str, Any]:
+        """What :meth:`restore` needs to go on later, as plain values for JSON."""
+        state = self.rng.bit_generator.state
+        return {"setting": self._setting(), "history": [list(row) for row in self.history], "generator": state}
+
+    def restore(self, record: dict[str, Any]) -> None:
+        """Go on where a session with the same arguments stopped: its answers are counted again, one after the other.
+
+        Raises:
+            InputError: for a record of another setting, or when this session has already asked.
+        """
+        if self.history:
+            raise InputError("restore() must be called before the first question.")
+        if not isinstance(record, dict) or record.get("setting") != self._setting():
+            raise InputError("the record must come from a session with the same arguments; this one differs.")
+        for first, second, answer in record["history"]:
+            self._pending = self._question(int(first), int(second))
+            self.tell(self._pending, answer)
+        self.rng.bit_generator.state = record["generator"]
+
+    def _question(self, first: int, second: int) -> Question:
+        return Question(len(self.history), first, second, self.pool[first] - self.pool[second])
+
+    def _setting(self) -> str:
+        """SHA-256 of everything that a session is fixed by before its first question."""
+        reference = np.zeros(0) if self.reference is None else self.reference
+        words = repr((self.weight_bound, self.delta, self.goal, self.asking, self.fresh, PRIOR_SCALES))
+        parts = [array.tobytes() for array in (self.features, self.pool, reference)]
+        return hashlib.sha256(b"".join([*parts, words.encode()])).hexdigest()
+
+    def _gap_and_share(self) -> tuple[float, float | None]:
+        """Upper bound on the gap in nats, and lower bound on the share gained over the reference.
+
+        The share is gain / (gain + loss), with the certified gap as loss.
+        """
+        if self.reference is None:
+            return self.gap.value, None
+        gain = self.features[self.recommended] - self.reference
+        least, most = (-self._highest(-gain), self._highest(gain))
+        gap = self.gap.value + (self.goal.rho * max(most, 0.0) if self.goal.rho else 0.0)
+        if least <= 0:
+            return gap, 0.0
+        share = least / (least + gap)
+        return gap, max(share, 1 / (1 + self.goal.rho)) if self.goal.rho and self.certified else share
+
+    def _highest(self, direction: FloatArray) -> float:
+        """An upper bound on <direction, w> over the likelihood set."""
+        widest = self.weight_bound * float(np.linalg.norm(direction)) * (1 + 1e-12)
+        if self._region is None:
+            return widest
+        nobody = np.zeros((1, 0, len(direction)))
+        return min(widest, float(search(self._region, direction[None], nobody, self.gap.tolerance).bound[0]))
 
     def _look(self) -> None:
         """Update evidence, recommendation and gap; every answer is followed by one look."""
@@ -207,7 +266,7 @@ class Elicitation:
         if region is None:
             self.contradicted = is_empty(self.answers, level, self.weight_bound, self._center)
             return  # without a point inside nothing new can be certified; what was certified stays
-        self._center = region.interior
+        self._center, self._region = region.interior, region
         utilities = self.features @ self.evidence.mean
         best = int(utilities.argmax())
         if utilities[best] > utilities[self.recommended]:

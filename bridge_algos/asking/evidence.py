@@ -14,7 +14,7 @@ a function that is analytic in a strip :math:`|Im\, u| \le a` the rule with step
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import ceil, log, pi
+from math import ceil, log, pi, sqrt
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
@@ -135,15 +135,15 @@ def expected_log_sigmoid(mu: FloatArray, spread: FloatArray) -> FloatArray:
 
 def _rule(spread: float) -> tuple[FloatArray, FloatArray]:
     strip = min(pi / (2 * max(spread, 1e-3)), 5.0)
-    step = 2 * pi * strip / (strip**2 / 2 + log(4 / SLACK))
+    step = 2 * pi * strip / (strip**2 / 2 + log(8 / SLACK))
     count = ceil(TAIL / step)
-    nodes = step * np.arange(-count, count + 1)
-    return nodes, step * np.exp(-(nodes**2) / 2) / np.sqrt(2 * pi)
+    nodes = np.asarray(step * np.arange(-count, count + 1, dtype=np.float64))
+    return nodes, np.asarray(step * np.exp(-(nodes**2) / 2) / sqrt(2 * pi))
 
 
 def _law(component: Component, differences: FloatArray) -> tuple[FloatArray, FloatArray]:
     variance = np.einsum("md,md->m", differences @ component.covariance, differences)
-    return differences @ component.mean, np.sqrt(np.maximum(variance, 0))
+    return differences @ component.mean, np.asarray(np.sqrt(np.maximum(variance, 0)))
 
 
 def _improved(component: Component, answers: Answers, steps: int) -> tuple[FloatArray, FloatArray]:

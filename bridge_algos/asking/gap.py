@@ -4,8 +4,8 @@ r"""The certified gap of the recommended candidate: every contender gets its own
           \le \max_\pi \max_{w \in C_t} \langle \phi(\pi) - (1 + \rho) \phi(\hat\pi) + \rho \phi(\pi_0), w \rangle
 
 A contender matters only if it is the best one; so its maximum is taken over the weights under which it beats its
-rivals. The bounds hold for all t at once, so that a bound found earlier stays valid: each is only ever lowered, and only those
-that decide whether to stop are worked on.
+rivals. The bounds hold for all t at once, so that a bound found earlier stays valid: each is only ever lowered, and
+only those that decide whether to stop are worked on.
 """
 
 from __future__ import annotations

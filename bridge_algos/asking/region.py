@@ -3,6 +3,7 @@ r"""The likelihood set with a point inside to search from, or the proof that it 
 from __future__ import annotations
 
 import numpy as np
+from scipy.special import expit
 
 from bridge_algos.asking.answers import Answers
 from bridge_algos.asking.dual import LikelihoodSet, dual_bounds
@@ -54,3 +55,29 @@ def _inner_fit(answers: Answers, weight_bound: float, w: FloatArray, weight: flo
         w = w + length * step
         here = height(w)
     return w
+
+
+def needs_weight_bound(region: LikelihoodSet, features: FloatArray, pool: FloatArray) -> bool:
+    r"""Whether a certificate rests on ||w|| <= W, or the answers alone keep all weights inside (companion G3').
+
+    With b = l(w^) - level, g the gradient at w^ and A_r = sum sigma'(z) 2 (e^(-r|x|) + r|x| - 1) / (r|x|)^2 x x', all
+    weights of the set lie within r of w^ when b + ||g|| r - r^2 lambda_min(A_r) / 2 < 0. Directions in which neither
+    candidates nor items differ do not count.
+    """
+    answers, w = region.answers, region.interior
+    everything = np.concatenate([features, pool]) - pool[0]
+    _, sizes, directions = np.linalg.svd(everything, full_matrices=False)
+    span = directions[sizes > 1e-9 * max(float(sizes[0]), 1e-300)]
+    value, gradient, _ = (part[0] for part in answers.derivatives(w[None]))
+    x = answers.differences
+    z, total = x @ w, answers.ones + answers.zeros
+    slope = expit(z) * expit(-z) * total
+    lengths = np.linalg.norm(x, axis=1)
+    inner = x @ span.T
+    for r in np.geomspace(1e-3, 1.0, 25) * (region.weight_bound - float(np.linalg.norm(w))):
+        reach = np.maximum(r * lengths, 1e-6)
+        factor = 2 * (np.expm1(-reach) + reach) / reach**2
+        smallest = float(np.linalg.eigvalsh((inner.T * (slope * factor)) @ inner)[0]) if len(x) else 0.0
+        if (value - region.level) + float(np.linalg.norm(gradient)) * r - r**2 * smallest / 2 < -1e-9:
+            return False
+    return True

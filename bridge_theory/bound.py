@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 from bridge_theory.arithmetic import Value
 from bridge_theory.arithmetic.balls import BALLS
-from bridge_theory.arithmetic.flint_balls import rational
 from bridge_theory.conditions import Condition
-from bridge_theory.enclosure import Enclosure, enclose
+from bridge_theory.enclosure import Enclosure, ball_arguments, enclose
 from bridge_theory.errors import InputError
 from bridge_theory.formula import Formula, Group, Status
 from bridge_theory.monotone import Monotone
-from bridge_theory.parameters import Exact, Given, Stored, parameter
+from bridge_theory.parameters import Exact, Given, parameter
 from bridge_theory.setting import Setting
 
 if TYPE_CHECKING:
@@ -87,11 +86,6 @@ class Rate(Formula):
         from bridge_theory.symbolic import latex_of
 
         return rf"${self.symbol} = \tilde O\left({latex_of(self.expression())}\right)$"
-
-
-def ball_arguments(exact: Mapping[str, Stored]) -> dict[str, Any]:
-    """Validated exact parameters as the rigorous arithmetic takes them, still exact; it converts arrays by entry."""
-    return {name: value if isinstance(value, tuple) else rational(value) for name, value in exact.items()}
 
 
 def call_with(function: Callable[..., Value], m: Any, values: Mapping[str, Any]) -> Value:

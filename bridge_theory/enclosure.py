@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Any
 
 from bridge_theory.arithmetic import flint_balls
 from bridge_theory.arithmetic.protocol import Value
+from bridge_theory.parameters import Stored
 from bridge_theory.rounding import rounded_down, rounded_up
 
 FIRST_BITS = 96
@@ -66,6 +68,11 @@ class Enclosure:
     def __str__(self) -> str:
         note = "" if self.narrow else f" (still wide at {self.bits} bits)"
         return f"[{self.lower!r}, {self.upper!r}]{note}"
+
+
+def ball_arguments(exact: Mapping[str, Stored]) -> dict[str, Any]:
+    """Validated exact parameters as the rigorous arithmetic takes them, still exact; it converts arrays by entry."""
+    return {name: value if isinstance(value, tuple) else flint_balls.rational(value) for name, value in exact.items()}
 
 
 def sharpen(compute: Callable[[], Value]) -> tuple[Value, int, bool]:

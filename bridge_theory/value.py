@@ -11,8 +11,8 @@ from typing import Any
 from bridge_theory.arithmetic.balls import BALLS
 from bridge_theory.arithmetic.flint_balls import rational
 from bridge_theory.arithmetic.protocol import Value
-from bridge_theory.bound import Bound, ball_arguments, call_with
-from bridge_theory.enclosure import Enclosure, enclose
+from bridge_theory.bound import Bound, call_with
+from bridge_theory.enclosure import Enclosure, ball_arguments, enclose
 from bridge_theory.parameters import Exact, Stored, parameter, show
 from bridge_theory.terms import Terms
 

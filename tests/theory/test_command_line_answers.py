@@ -287,7 +287,7 @@ def test_numbers_beyond_float64(capsys: pytest.CaptureFixture[str]) -> None:
     assert "nan" not in capsys.readouterr().out
     flags = ["--W", "1", "--lam", "1", "--d", "1", "--S", "1", "--A", "2", "--n", "9", "--T", "9", "--delta", "0.05"]
     assert bounds.main(["--B", "1e400", *flags, "--only", "regret_known_stated"]) == 0
-    assert "requires lam >= B / kappa, which is not decided beyond float64" in capsys.readouterr().out
+    assert "vacuous" in capsys.readouterr().out  # lam >= B / kappa is decided beyond float64 too
     assert bounds.main(["--B", "1e-400", *flags, "--only", "regret_known_rate"]) == 0
     assert "B is beyond float64" in capsys.readouterr().out
 

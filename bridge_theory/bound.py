@@ -35,6 +35,11 @@ class Bound(Formula):
     failure: Callable[..., Value] | None = None
     words: str = ""
 
+    @property
+    def from_below(self) -> bool:
+        """Whether the statement bounds its quantity from below."""
+        return "{at_least}" in self.words
+
     def enclosure(self, **values: Given) -> Enclosure:
         """Two floats that provably enclose the exact value at these exact parameters; precision rises by itself.
 

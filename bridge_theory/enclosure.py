@@ -24,7 +24,7 @@ class Enclosure:
 
     Source: ball arithmetic (Johansson 2017). ``bits`` is the working precision that was needed; ``narrow`` is False
     when even the highest precision left the ends more than a few units in the last place apart. ``exact`` is the value
-    itself where it is a rational number that the formula reaches by ``+ - * /`` alone.
+    itself where it is a rational number that the computation knows, as ``sqrt(4)`` or a cap that is attained.
 
     >>> 1.25 in Enclosure(1.0, 1.5, bits=96, narrow=False)
     True

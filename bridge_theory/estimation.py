@@ -56,10 +56,7 @@ def _exact(name: str, value: object, floats: FloatArray) -> Any:
         return parameter(name).exact(value)  # type: ignore[arg-type]
     if np.ndim(floats) == 0:
         return to_exact(name, value[()] if isinstance(value, np.ndarray) else value)
-    given = np.asarray(value)
-    exact = np.empty(given.shape, dtype=object)
-    exact.flat = [to_exact(name, entry) for entry in given.ravel().tolist()]
-    return exact
+    return np.frompyfunc(lambda entry: to_exact(name, entry), 1, 1)(np.asarray(value, dtype=object))
 
 
 def _at(exact: Any, name: str, shape: tuple[int, ...], place: tuple[Any, ...]) -> Stored:

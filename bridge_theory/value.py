@@ -100,6 +100,15 @@ class BoundValue:
         empty = " This is no better than the trivial value." if self.vacuous else ""
         return statement[0].upper() + statement[1:] + provided + "." + empty
 
+    @property
+    def shown(self) -> str:
+        """Six digits on the side on which the statement stays true: up for an upper bound, down for a lower one."""
+        return self.safe_side(self.enclosure)
+
+    def safe_side(self, enclosure: Enclosure) -> str:
+        """Six digits of the value or of one of its terms, rounded to the side of the statement."""
+        return enclosure.at_least if self.bound.from_below else enclosure.at_most
+
     def __str__(self) -> str:
         return f"{self.bound.name} = {self.enclosure}"
 

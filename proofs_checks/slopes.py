@@ -107,6 +107,9 @@ class Slopes:
     def log1p(self, x: Any) -> Slope:
         return lifted(x).through(lambda v: v.log1p(), lambda v: 1 / (1 + v))
 
+    def log1p_ratio(self, x: Any, y: Any) -> Slope:
+        return self.log1p(x) / self.log1p(y)
+
     def exp(self, x: Any) -> Slope:
         return lifted(x).through(_exp, _exp)
 

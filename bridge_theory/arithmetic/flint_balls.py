@@ -18,6 +18,7 @@ from flint import arb, ctx, fmpq
 Ball: TypeAlias = Any
 """A python-flint ``arb``: midpoint and radius, every operation rounded outward."""
 
+_LONGEST_EXACT = 8192  # bits; a longer exact number takes more time than it is worth
 _HUGEST_EXPONENT = 1100  # beyond it a binary exponent over- or underflows a float64 for certain
 
 
@@ -61,12 +62,47 @@ def as_ball(x: Any) -> Ball:
 
 
 def as_fraction(x: Any) -> Fraction | None:
-    """The exact number that a value of the rigorous arithmetic is, or None for a ball.
+    """The exact number that a value of the rigorous arithmetic is, or None for a ball around several.
 
-    >>> as_fraction(rational(3) / 2), as_fraction(ball(3))
-    (Fraction(3, 2), None)
+    >>> as_fraction(rational(3) / 2), as_fraction(ball(4).sqrt()), as_fraction(ball(2).sqrt())
+    (Fraction(3, 2), Fraction(2, 1), None)
     """
-    return Fraction(int(x.p), int(x.q)) if isinstance(x, fmpq) else None
+    if isinstance(x, int | Fraction):
+        return Fraction(x)
+    if isinstance(x, fmpq):
+        return Fraction(int(x.p), int(x.q))
+    if not x.is_exact() or not x.is_finite():
+        return None
+    mantissa, exponent = _exact(x)
+    return Fraction(mantissa) * Fraction(2) ** exponent if abs(exponent) <= _LONGEST_EXACT else None
+
+
+def exact_root(x: Any) -> Any:
+    """The square root of an exact number whose root is rational, or None.
+
+    >>> exact_root(rational(Fraction(9, 4))), exact_root(rational(2))
+    (3/2, None)
+    """
+    square = as_fraction(x)
+    if square is None or square < 0:
+        return None
+    root = Fraction(math.isqrt(square.numerator), math.isqrt(square.denominator))
+    return rational(root) if root * root == square else None
+
+
+def exact_power(x: Any, exponent: Any) -> Any:
+    """An exact number to a whole power, where the result is not too long to write down, or None.
+
+    >>> exact_power(rational(2), rational(-3)), exact_power(rational(2), rational(10**9))
+    (1/8, None)
+    """
+    base, power = as_fraction(x), as_fraction(exponent)
+    if base is None or power is None or power.denominator != 1 or (base == 0 and power < 0):
+        return None
+    if base in (0, 1):
+        return rational(1 if base == 1 or power == 0 else 0)
+    bits = base.numerator.bit_length() + base.denominator.bit_length()
+    return rational(base**power.numerator) if bits * abs(power) <= _LONGEST_EXACT else None
 
 
 def box(lower: int | Fraction, upper: int | Fraction) -> Ball:

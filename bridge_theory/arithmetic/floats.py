@@ -30,6 +30,9 @@ class Floats:
     def log1p(self, x: Value) -> Value:
         return np.log1p(x)
 
+    def log1p_ratio(self, x: Value, y: Value) -> Value:
+        return np.log1p(x) / np.log1p(y)
+
     def exp(self, x: Value) -> Value:
         return np.exp(x)
 

@@ -34,6 +34,9 @@ class Arithmetic(Protocol):
     def log1p(self, x: Value) -> Value:
         """``log(1 + x)`` without cancellation near 0."""
 
+    def log1p_ratio(self, x: Value, y: Value) -> Value:
+        """``log(1 + x) / log(1 + y)`` for ``x >= 0`` and ``y > 0``; exactly 1 where the two are known to be equal."""
+
     def exp(self, x: Value) -> Value:
         """Exponential."""
 

@@ -77,6 +77,9 @@ class Symbols:
     def log1p(self, x: Value) -> Value:
         return sympy.log(1 + x)
 
+    def log1p_ratio(self, x: Value, y: Value) -> Value:
+        return self.log1p(x) / self.log1p(y)
+
     def exp(self, x: Value) -> Value:
         return sympy.exp(x)
 

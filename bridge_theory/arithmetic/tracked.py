@@ -87,6 +87,9 @@ class TrackedFloats:
         at = np.log1p(x.at)
         return Tracked(at, -np.log1p(-_ratio(x.off, 1 + x.at) * (1 + _LIBRARY)) + _LIBRARY * np.abs(at))
 
+    def log1p_ratio(self, x: Value, y: Value) -> Value:
+        return self.log1p(x) / self.log1p(y)
+
     def exp(self, x: Value) -> Value:
         x = _tracked(x)
         at = np.exp(x.at)

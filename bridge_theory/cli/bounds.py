@@ -100,7 +100,7 @@ def _cells(row: Row) -> tuple[str, ...]:
     value = row.value
     trivial = "-" if value.trivial is None else value.trivial.at_most
     vacuous = {None: "-", True: "vacuous", False: "no"}[value.vacuous]
-    return (row.formula.name, value.enclosure.at_most, str(value.enclosure), trivial, vacuous, *ends)
+    return (row.formula.name, value.shown, str(value.enclosure), trivial, vacuous, *ends)
 
 
 def _filled_in(rows: list[Row], setting: Setting) -> str:
@@ -150,7 +150,8 @@ def _latex(rows: list[Row]) -> str:
     lines = []
     for row in rows:
         if row.value:
-            shown = rf" \leq {row.value.enclosure.at_most}" if math.isfinite(row.value.enclosure.upper) else ""
+            sign = r"\geq" if row.value.bound.from_below else r"\leq"
+            shown = f" {sign} {row.value.shown}" if math.isfinite(row.value.enclosure.upper) else ""
         else:
             shown = "" if row.estimate is None else rf" \approx {row.estimate:.6g}"
         lines.append(rf"  {row.formula.latex()}{shown} &\quad\text{{{row.formula.status}}} % {row.formula.name}")

@@ -48,7 +48,7 @@ def _valued(value: BoundValue) -> str:
     if value.terms:
         mark = {value.dominant: "dominates"}
         rows = [
-            (name, term.at_most, f"{value.shares[name]:.1%}" if value.shares else "", mark.get(name, ""))
+            (name, value.safe_side(term), f"{value.shares[name]:.1%}" if value.shares else "", mark.get(name, ""))
             for name, term in value.terms.items()
         ]
         lines.append(text_table(("term", "value", "share", ""), rows))

@@ -112,7 +112,9 @@ def _check_complete(bounds: Sequence[Bound], point: Setting) -> None:
 
 
 def _along(bound: Bound, points: Sequence[Setting]) -> FloatArray:
-    return np.broadcast_to(bound.estimate(**_columns(bound, points)), len(points))
+    # point by point, at the exact numbers of the setting: 1 - delta in float64 may have lost digits already
+    known = [point.completed(bound.spends) for point in points]
+    return np.array([bound.estimate(**{name: values[name] for name in bound.parameters}) for values in known])
 
 
 def _columns(bound: Bound, points: Sequence[Setting]) -> dict[str, FloatArray]:

@@ -120,8 +120,10 @@ def confidence_set_radius_angle(m: Arithmetic, *, R1: Value, R2: Value) -> Value
     >>> float(confidence_set_radius_angle.estimate(R1=0, R2=1))
     1.0
     """
-    angle = m.arcsin(m.sqrt(m.min(1, R1))) + m.arccos(m.max(0, 1 - R2))
-    return m.sin(m.min(m.pi() / 2, angle))
+    overlap = m.max(0, 1 - R2)
+    angle = m.arcsin(m.sqrt(m.min(1, R1))) + m.arccos(overlap)
+    # the angle is a right one or wider exactly where overlap^2 <= R1; where R2 = 0 only R1 counts
+    return m.if_at_most(overlap**2, R1, lambda: m.number(1), lambda: m.sin(m.min(m.pi() / 2, angle)))
 
 
 @bound(

@@ -70,7 +70,7 @@ def _cells(row: Row) -> tuple[str, ...]:
     undecided = "–" if value.trivial is None else "not decided"
     yes = "claims to" if false else '<b class="says">yes</b>'
     says = {None: undecided, True: '<span class="empty">no</span>', False: yes}[value.vacuous]
-    return (name, f'<span title="{escape(str(value.enclosure))}">{value.enclosure.at_most}</span>', trivial, says,
+    return (name, f'<span title="{escape(str(value.enclosure))}">{value.shown}</span>', trivial, says,
             status)  # fmt: skip
 
 

@@ -109,7 +109,7 @@ TEXT: Mapping[str, Callable[..., float]] = {
         sum((d + d_hat) * h for d, d_hat, h in zip(occupancy, occupancy_hat, row_errors, strict=True)) / 2
     ),
     "trajectory_error_one_sided": lambda occupancy, row_errors: (
-        3 * sum(d * h for d, h in zip(occupancy, row_errors, strict=True))
+        297 * sum(d * h for d, h in zip(occupancy, row_errors, strict=True)) / 100
     ),
     "transition_kl_budget": lambda S, counts, delta: _budget(S, counts, delta),
     "trajectory_kl": lambda S, counts, ratio, delta: ratio * _budget(S, counts, delta),

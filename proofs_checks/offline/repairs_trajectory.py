@@ -137,7 +137,7 @@ T2 = Repair(
         pieces. With both arguments in the middle piece the two sides differ by $(wr - w)^2$ times a polynomial that
         rises in $wr$, because every coefficient is positive; so $wr = 1/c$ is the worst case.
 
-        From below: the induction is nearly tight along a chain that a rare event enters and that paths leave slowly.""",
+        From below: the induction is nearly tight along a chain entered by a rare event and left slowly.""",
     formulas=("trajectory_error_one_sided",),
 )
 

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 
 from bridge_theory.arithmetic.balls import BALLS
-from bridge_theory.arithmetic.flint_balls import rational
 from bridge_theory.arithmetic.protocol import Value
-from bridge_theory.enclosure import enclose
+from bridge_theory.enclosure import ball_arguments, enclose
 from bridge_theory.errors import InputError
-from bridge_theory.parameters import Exact
+from bridge_theory.parameters import Exact, to_exact
 
 
 def at_most(sides: Callable[..., tuple[Value, Value]], **points: Any) -> Any:
@@ -25,17 +24,16 @@ def at_most(sides: Callable[..., tuple[Value, Value]], **points: Any) -> Any:
     False
     """
 
-    def holds(*point: Exact) -> bool:
-        left_minus_right = enclose(
-            lambda: _difference(*sides(BALLS, **dict(zip(points, map(rational, point), strict=True))))
-        )
-        if left_minus_right.lower > 0 or left_minus_right.upper <= 0:
-            return left_minus_right.upper <= 0
+    def difference(point: Mapping[str, Exact]) -> Value:
+        left, right = sides(BALLS, **ball_arguments(point))
+        return left - right
+
+    def holds(*point: object) -> bool:
+        exact = {name: to_exact(name, value) for name, value in zip(points, point, strict=True)}
+        gap = enclose(lambda: difference(exact))
+        if gap.lower > 0 or gap.upper <= 0:
+            return gap.upper <= 0
         raise InputError("a condition is too close to its threshold to be decided; move a parameter away from it")
 
     decided = np.frompyfunc(holds, len(points), 1)(*points.values())
     return decided if isinstance(decided, np.ndarray) else bool(decided)
-
-
-def _difference(left: Value, right: Value) -> Value:
-    return left - right

@@ -114,7 +114,11 @@ def _check_complete(bounds: Sequence[Bound], point: Setting) -> None:
 def _along(bound: Bound, points: Sequence[Setting]) -> FloatArray:
     # point by point, at the exact numbers of the setting: 1 - delta in float64 may have lost digits already
     known = [point.completed(bound.spends) for point in points]
-    return np.array([bound.estimate(**{name: values[name] for name in bound.parameters}) for values in known])
+    exact = [{name: values[name] for name in bound.parameters} for values in known]
+    bound.check_conditions(
+        {name: np.array([point[name] for point in exact], dtype=object) for name in bound.parameters}
+    )
+    return np.array([bound.estimate(**point) for point in exact])
 
 
 def _columns(bound: Bound, points: Sequence[Setting]) -> dict[str, FloatArray]:

@@ -32,7 +32,7 @@ def test_table_groups_rows_and_says_what_would_add_more(capsys: pytest.CaptureFi
     assert row.split()[-3:] == ["vacuous", "stated", "thm:tabular_confidence_set"]
     assert out.index("\noffline\n" if not out.startswith("offline") else "offline\n") < out.index("\nonline\n")
     assert out.index("\nonline\n") < out.index("\nregret\n")
-    assert "--B --W would add kappa, kappa_differences" in out
+    assert "--B --W would add kappa, kappa_differences, kappa_nonnegative" in out
     assert "filled in: K = 1" in out or "rows = 5" in out
     assert "equal parts of delta in each bound" in out
     assert "~ " in out  # a rate

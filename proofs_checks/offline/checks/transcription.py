@@ -84,6 +84,7 @@ TEXT: Mapping[str, Callable[..., float]] = {
     "offline_radius_known": lambda S, A, n, delta: sqrt(6 * S * log(A / delta) / n),
     "kappa": lambda B, W: 2 + 2 * cosh(B * W),
     "kappa_differences": lambda B, W: 4 * cosh(B * W) ** 2,
+    "kappa_nonnegative": lambda B, W: 4 * cosh(B * W / sqrt(2)) ** 2,
     "concentrability_sharp": _sharp_concentrability,
     "concentrability_deterministic": lambda R, gamma_min: 1 + R / gamma_min,
     "row_error_at_step": lambda R: R * (2 - R),

@@ -203,7 +203,7 @@ def confidence_radius_nonnegative(
 
     >>> radius = confidence_radius_nonnegative.estimate(B=1, W=1, lam=1, delta_w=0.05, log_det_ratio=0, residual=0)
     >>> round(float(radius), 3)
-    10.3
+    10.301
     """
     return confidence_radius_repaired.function(
         m, B=nonnegative_bound(m, B), W=W, lam=lam, delta_w=delta_w, log_det_ratio=log_det_ratio, residual=residual

@@ -21,9 +21,14 @@ class Condition:
     text: str
     repaired: str | None = None
 
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """The names of the parameters that it takes."""
+        return tuple(inspect.signature(self.holds).parameters)
+
     def check(self, name: str, given: Mapping[str, object]) -> None:
         """Raise the error of this condition if any of the given points violates it."""
-        chosen = {key: given[key] for key in inspect.signature(self.holds).parameters}
+        chosen = {key: given[key] for key in self.parameters}
         if np.all(self.holds(**chosen)):
             return
         point = ", ".join(f"{key} = {_shown(value)}" for key, value in chosen.items())

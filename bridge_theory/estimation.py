@@ -56,6 +56,8 @@ def _exact(name: str, value: object, floats: FloatArray) -> Any:
         return parameter(name).exact(value)  # type: ignore[arg-type]
     if np.ndim(floats) == 0:
         return to_exact(name, value[()] if isinstance(value, np.ndarray) else value)
+    if parameter(name).domain.integer and np.all(floats <= _EXACT_INTEGERS):
+        return floats.astype(np.int64).astype(object)
     return np.frompyfunc(lambda entry: to_exact(name, entry), 1, 1)(np.asarray(value, dtype=object))
 
 

@@ -68,8 +68,8 @@ class Formula:
         """
         self._check_names(values)
         floats = {name: parameter(name).floats(value) for name, value in values.items()}
-        if self.conditions:
-            self.check_conditions(exact_points(values, floats))
+        conditioned = dict.fromkeys(name for condition in self.conditions for name in condition.parameters)
+        self.check_conditions(exact_points({name: values[name] for name in conditioned}, floats))
         outcome = estimated(self, values, floats)
         return np.float64(outcome) if np.ndim(outcome) == 0 else np.asarray(outcome)
 

@@ -81,7 +81,7 @@ def sharpen(compute: Callable[[], Value]) -> tuple[Value, int, bool]:
     while True:
         with flint_balls.working_precision(bits):
             value = compute()
-            narrow = flint_balls.accuracy_bits(flint_balls.as_ball(value)) >= _ENOUGH_BITS
+            narrow = flint_balls.accuracy_bits(value) >= _ENOUGH_BITS
         if narrow or bits >= LAST_BITS:
             return value, bits, narrow
         bits *= 2
@@ -91,5 +91,5 @@ def enclose(compute: Callable[[], Value]) -> Enclosure:
     """The certified float64 enclosure of a ball-valued computation, precision raised as far as needed."""
     value, bits, narrow = sharpen(compute)
     with flint_balls.working_precision(bits):
-        lower, upper = flint_balls.ends(flint_balls.as_ball(value))
+        lower, upper = flint_balls.ends(value)
     return Enclosure(lower, upper, bits, narrow, flint_balls.as_fraction(value))

@@ -116,6 +116,9 @@ class Slopes:
     def expm1(self, x: Any) -> Slope:
         return lifted(x).through(lambda v: v.expm1(), _exp)
 
+    def one_minus_root(self, x: Any, degree: Any) -> Slope:
+        return -self.expm1(self.log(x) / degree)
+
     def cosh(self, x: Any) -> Slope:
         return lifted(x).through(lambda v: v.cosh(), lambda v: v.sinh())
 

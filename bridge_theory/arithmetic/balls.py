@@ -14,6 +14,7 @@ from bridge_theory.arithmetic import flint_balls
 from bridge_theory.arithmetic.flint_balls import Ball, as_ball
 from bridge_theory.arithmetic.protocol import FloatArray, Value
 
+_LONGEST_EXACT_SUM = 64  # distinct cells
 _LONGEST_PRODUCT = 512  # below it a product is cheaper than three log-gammas, and far tighter on wide balls
 
 
@@ -32,7 +33,7 @@ class Balls:
         return as_ball(x) ** as_ball(exponent) if exact is None else exact
 
     def sqrt(self, x: Value) -> Value:
-        exact = flint_balls.exact_root(x)
+        exact = flint_balls.exact_root(x, 2)
         return as_ball(x).sqrt() if exact is None else exact
 
     def log(self, x: Value) -> Value:
@@ -52,6 +53,10 @@ class Balls:
 
     def expm1(self, x: Value) -> Value:
         return self.number(0) if _is(x, 0) else as_ball(x).expm1()
+
+    def one_minus_root(self, x: Value, degree: Value) -> Value:
+        exact = flint_balls.exact_root(x, degree)
+        return -self.expm1(self.log(x) / degree) if exact is None else 1 - exact
 
     def cosh(self, x: Value) -> Value:
         return self.number(1) if _is(x, 0) else as_ball(x).cosh()
@@ -100,14 +105,16 @@ class Balls:
     def sum(self, summand: Callable[..., Value], *arrays: Value) -> Value:
         # equal cells are summed once: count tables have few distinct values
         cells = Counter(zip(*arrays, strict=True))
-        terms = (count * summand(*map(self.number, cell)) for cell, count in cells.items())
+        # a sum of many exact fractions would have a denominator of all of them
+        number = self.number if len(cells) <= _LONGEST_EXACT_SUM else flint_balls.ball
+        terms = (count * summand(*map(number, cell)) for cell, count in cells.items())
         return sum(terms, start=self.number(0))
 
     def minimum_over_integers(
         self, objective: Callable[[Value], Value], near: Callable[..., FloatArray], *arguments: Value
     ) -> Value:
         with np.errstate(all="ignore"):  # the start proves nothing: where floats overflow, any will do
-            start = float(near(*(np.float64(flint_balls.midpoint(as_ball(x))) for x in arguments)))
+            start = float(near(*(np.float64(flint_balls.midpoint(x)) for x in arguments)))
         try:
             return _IntegerMinimum(objective, flint_balls.ball).enclose(max(1, round(start)) if isfinite(start) else 1)
         except _UndecidedError:

@@ -39,6 +39,9 @@ class Floats:
     def expm1(self, x: Value) -> Value:
         return np.expm1(x)
 
+    def one_minus_root(self, x: Value, degree: Value) -> Value:
+        return -np.expm1(np.log(x) / degree)
+
     def cosh(self, x: Value) -> Value:
         return np.cosh(x)
 

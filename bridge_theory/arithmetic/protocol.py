@@ -43,6 +43,9 @@ class Arithmetic(Protocol):
     def expm1(self, x: Value) -> Value:
         """``exp(x) - 1`` without cancellation near 0."""
 
+    def one_minus_root(self, x: Value, degree: Value) -> Value:
+        """``1 - x ** (1 / degree)`` without cancellation near 0, for ``0 < x <= 1`` and integers ``degree >= 1``."""
+
     def cosh(self, x: Value) -> Value:
         """Hyperbolic cosine."""
 

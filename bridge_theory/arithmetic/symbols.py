@@ -86,6 +86,9 @@ class Symbols:
     def expm1(self, x: Value) -> Value:
         return sympy.exp(x) - 1
 
+    def one_minus_root(self, x: Value, degree: Value) -> Value:
+        return 1 - x ** (self.number(1) / degree)
+
     def cosh(self, x: Value) -> Value:
         return sympy.cosh(x)
 

@@ -100,6 +100,9 @@ class TrackedFloats:
         at = np.expm1(x.at)
         return Tracked(at, 2 * np.exp(x.at) * np.expm1(x.off) + _rounded(at))
 
+    def one_minus_root(self, x: Value, degree: Value) -> Value:
+        return -self.expm1(self.log(x) / degree)
+
     def cosh(self, x: Value) -> Value:
         x = _tracked(x)
         at = np.cosh(x.at)

@@ -167,5 +167,4 @@ def policy_error_sharp(m: Arithmetic, *, S: Value, n: Value, delta: Value) -> Va
     >>> round(float(policy_error_sharp.estimate(S=5, n=10, delta=0.025)), 4)
     0.5095
     """
-    subsets = S * m.log(m.number(2)) + m.log1p(-(m.power(m.number(2), -S)))
-    return -m.expm1((m.log(delta) - subsets) / n)
+    return m.one_minus_root(delta / (m.power(m.number(2), S) - 1), n)

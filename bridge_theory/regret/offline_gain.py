@@ -165,8 +165,7 @@ def delta_n_version_space_sharp(m: Arithmetic, *, S: Value, n: Value, delta_off:
     0.006409
     """
     two = m.number(2)
-    log_sets = S * m.log(two) + m.log1p(-m.power(two, -S))  # log(2^S - 1) without overflow
-    return -m.expm1((m.log(delta_off) - log_sets) / n)
+    return m.one_minus_root(delta_off / (m.power(two, S) - 1), n)
 
 
 @bound(

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from bridge_algos.demonstrations import excluded
 from bridge_algos.embeddings import Embedding, make_embedding, return_embedding
 from bridge_algos.envs.registry import make_mdp
 from bridge_algos.expert.experts import Expert, make_expert
@@ -23,7 +24,7 @@ MOST_STEPS = 10**8
 """Recorded steps that fit into memory."""
 
 EXPELLED = "noisy demonstrations can expel the expert from the offline set"
-FOREIGN = "demonstrations pass transitions that the environment excludes: noisy actions, or from another environment"
+FOREIGN = "the environment excludes the demonstrations (noisy actions, or from another environment)"
 HAND_SET = "nothing guarantees that an offline set of hand-set radius contains the best policy"
 
 
@@ -87,7 +88,8 @@ def with_digests(config: RunConfig) -> RunConfig:
 
 def caveats(config: RunConfig, world: World) -> list[str]:
     """What of a run's settings takes the theory's guarantees away; empty when they hold for its confidence sets."""
-    foreign = [] if _possible(world.mdp, world.demonstrations) else [FOREIGN]
+    fault = None if world.demonstrations is None else excluded(world.mdp, world.demonstrations)
+    foreign = [] if fault is None else [f"{FOREIGN}: {fault}"]
     if config.confidence == "fixed":
         return [*foreign, "gamma and bonuses are hand-set numbers, without a guarantee"]
     oracle = build_oracle(config, world)
@@ -101,15 +103,6 @@ def caveats(config: RunConfig, world: World) -> list[str]:
         HAND_SET: config.radius not in RADII,
     }
     return foreign + [reason for reason, holds in broken.items() if holds]
-
-
-def _possible(mdp: TabularMDP, demonstrations: Trajectories | None) -> bool:
-    """Whether an environment can have led along the states of demonstrations."""
-    if demonstrations is None:
-        return True
-    states, actions = demonstrations.states, demonstrations.actions
-    steps = mdp.transitions[states[:, :-1], actions[:, :-1], states[:, 1:]]
-    return bool((mdp.initial[states[:, 0]] > 0).all() and (steps > 0).all())
 
 
 def digest(path: str) -> str:

@@ -31,7 +31,7 @@ def main(argv: list[str], data: Sequence[BoundValue] = ()) -> int:
 
     >>> main(["--S", "5", "--A", "4", "--n", "10000", "--delta", "0.05", "--only", "lem:offline_CI_under_known_dyn"])
     offline
-      bound                 value     enclosure             ...  may fail with  trivial  vacuous  status  source
+      bound                 value     enclosure                     may fail with  trivial  vacuous  status  source
       offline_radius_known  0.114657  [0.1146563..., 0.1146563...]  0.05           1        no       stated
       lem:offline_CI_under_known_dyn
     0

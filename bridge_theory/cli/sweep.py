@@ -98,7 +98,8 @@ def _notes(bounds: Sequence[Bound], points: Sequence[Setting], varied: str) -> l
     for bound in bounds:
         failing = [show(point[varied]) for point in points if not bound.value(point).certified]
         if failing:
-            notes.append(f"{bound.name} certifies nothing at {varied} = {', '.join(failing)}: its events may all fail")
+            where = f"{varied} = {', '.join(failing)}"
+            notes.append(f"{bound.name} certifies nothing at {where}: its events may fail with probability 1 in total")
     return notes
 
 

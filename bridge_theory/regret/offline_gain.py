@@ -210,6 +210,7 @@ def exact_recovery_failure(m: Arithmetic, *, S_reach: Value, n: Value, gamma_min
     assumptions=(
         BOUNDED,
         IN_SET,
+        DETERMINISTIC,
         _DETERMINISTIC,
         "the dynamics are known",
         "the offline set is the ball of lem:offline_CI_under_known_dyn, radius sqrt(6 S log(A / delta_off) / n)",

@@ -105,7 +105,7 @@ class BoundValue:
         if not self.certified:
             total = self.failure.at_most
             chance = f"nothing is certified, for its events may fail with a total probability of {total}: "
-        claim = ("as the paper states, " if self.bound.status == "stated" else "") + chance + statement
+        claim = self._whose + chance + statement
         provided = f", provided {'; '.join(self.bound.assumptions)}" if self.bound.assumptions else ""
         empty = " This is no better than the trivial value." if self.vacuous else ""
         return claim[0].upper() + claim[1:] + provided + "." + filled_in_words(self.filled) + empty
@@ -125,6 +125,14 @@ class BoundValue:
     def _repr_latex_(self) -> str:
         shown = ", ".join(f"{parameter(name).latex} = {show(value)}" for name, value in self.parameters.items())
         return rf"${self.bound.symbol} \in [{self.enclosure.lower!r}, {self.enclosure.upper!r}] \quad ({shown})$"
+
+    @property
+    def _whose(self) -> str:
+        """Who says so, where it is not proved here: the paper, or the paper but for one repair."""
+        if self.bound.status != "stated":
+            return ""
+        source = self.bound.source
+        return f"as the paper would state after {source}, " if source.startswith("audit ") else "as the paper states, "
 
     def _computed(self) -> Value:
         return self.bound(BALLS, **ball_arguments(self.parameters))

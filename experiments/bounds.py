@@ -62,7 +62,8 @@ def _from_data(demos: str, mdp: str, empty_row: EmptyRow, delta: str) -> tuple[d
     values = bounds_from_demonstrations(world, data, delta=delta, empty_row=empty_row)
     note = f"From {len(data)} demonstrations, with delta = {delta} in each bound."
     if "offline_radius_mass" in values:
-        note += f" The mass of offline_radius_mass is under estimated dynamics whose rows without data are {empty_row}."
+        rows = {"uniform": "uniform", "self_loop": "self-loops"}[empty_row]
+        note += f" In offline_radius_mass rows without data are {rows}, and the clone takes the first action there."
     contradicted = contradicted_states(step_counts(data, s, a).visits).tolist()
     if contradicted:
         note += (

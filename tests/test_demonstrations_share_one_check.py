@@ -16,7 +16,7 @@ from bridge_algos.envs.registry import make_mdp
 from bridge_algos.mdp_file import save_mdp
 from bridge_algos.offline.data_bounds import bounds_from_demonstrations
 from bridge_algos.run.config import preset
-from bridge_algos.run.world import build_world, caveats
+from bridge_algos.run.world import CHANGING, CONTRADICTORY, build_world, caveats
 from bridge_algos.trajectories import Trajectories, sample_trajectories
 from bridge_theory.errors import InputError
 from experiments.cli import main
@@ -186,3 +186,17 @@ def test_counts_that_are_of_no_demonstrations_are_refused() -> None:
     for swapped in (counts.transitions[::-1], np.roll(counts.transitions, 1, axis=3)):
         with pytest.raises(InputError, match="transitions do not join the visits"):
             bounds_from_counts(counts.visits, swapped, delta="0.05")
+
+
+def test_a_run_says_when_its_radius_is_about_another_expert(tmp_path: Path) -> None:
+    """Every named radius is proved for a deterministic stationary expert; a run with another one carries a caveat."""
+    named = preset("theory", "starmdp")
+    assert caveats(named, build_world(named)) == []
+    changing = named.but(expert="finite-horizon-lp")
+    assert CHANGING in caveats(changing, build_world(changing))
+    torn = _good()
+    torn["actions"] = np.where(np.arange(3)[:, None] == 0, (torn["actions"] + 1) % 4, torn["actions"])
+    both = named.but(demonstrations=_saved(tmp_path, torn))
+    assert CONTRADICTORY in caveats(both, build_world(both))
+    by_hand = both.but(radius=0.5)
+    assert CONTRADICTORY not in caveats(by_hand, build_world(by_hand))

@@ -14,6 +14,7 @@ from bridge_algos.envs.registry import make_mdp
 from bridge_algos.expert.experts import Expert, make_expert
 from bridge_algos.mdp import FloatArray, IntArray, TabularMDP
 from bridge_algos.mdp_file import load_mdp
+from bridge_algos.offline.cloning import action_counts
 from bridge_algos.offline.radius import named_radii
 from bridge_algos.online.oracles import BradleyTerryOracle, Oracle, ReturnOracle
 from bridge_algos.run.config import RADII, RunConfig
@@ -25,6 +26,8 @@ MOST_STEPS = 10**8
 
 EXPELLED = "noisy demonstrations can expel the expert from the offline set"
 FOREIGN = "the environment excludes the demonstrations (noisy actions, or from another environment)"
+CHANGING = "the offline radius is proved for an expert whose action in a state does not depend on the step"
+CONTRADICTORY = "the demonstrations refute the deterministic stationary expert that the offline radius is proved for"
 HAND_SET = "nothing guarantees that an offline set of hand-set radius contains the best policy"
 
 
@@ -101,8 +104,23 @@ def caveats(config: RunConfig, world: World) -> list[str]:
         "the stated multiplier and bonuses are not proved": config.confidence == "stated",
         EXPELLED: config.noise > 0,
         HAND_SET: config.radius not in RADII,
+        CHANGING: config.radius in RADII and world.demonstrations is None and _changes(world.expert.policy),
+        CONTRADICTORY: config.radius in RADII and _contradictory(world),
     }
     return foreign + [reason for reason, holds in broken.items() if holds]
+
+
+def _changes(policy: IntArray) -> bool:
+    """Whether a time-dependent policy is not the same at every step."""
+    return policy.ndim == 2 and bool((policy != policy[0]).any())
+
+
+def _contradictory(world: World) -> bool:
+    """Whether the demonstrations of a file show more than one action in some state."""
+    if world.demonstrations is None:
+        return False
+    counts = action_counts(world.demonstrations, world.mdp.n_states, world.mdp.n_actions)
+    return bool(((counts > 0).sum(axis=1) > 1).any())
 
 
 def digest(path: str) -> str:

@@ -61,8 +61,10 @@ class Trajectories:
             raise InputError(f"the trajectories have {self.horizon} steps, expected the MDP's horizon {horizon}.")
         if self.rewards is not None and self.rewards.shape != self.states.shape:
             raise InputError(f"rewards has shape {self.rewards.shape}, expected that of states, {self.states.shape}.")
-        if self.rewards is not None and not (self.rewards.dtype.kind in "fiu" and np.isfinite(self.rewards).all()):
-            raise InputError("rewards must be finite real numbers; leave the array out where they were not observed.")
+        if self.rewards is not None and (self.rewards.dtype.kind not in "iuf" or not np.isfinite(self.rewards).all()):
+            raise InputError(
+                "rewards has an entry that is not a finite number; leave them out where not all are known."
+            )
         return self
 
 

@@ -28,37 +28,39 @@ _LOOKS = (1, 2, 3, 5, 8, 13, 21, 34)
 
 def weights(rng: np.random.Generator, kind: str) -> Sentences:
     """R1 and R2: the weights' ellipsoid and the best policy's membership, against questions chosen to hurt."""
+    names = ("beta_repaired", "beta_repaired_logdet", "confidence_radius_repaired")
+    yield from _rounds(rng, float(theory.kappa_differences.estimate(B=1, W=1)), 2.0, names)
+
+
+def _rounds(rng: np.random.Generator, kappa: float, reach: float, names: tuple[str, ...]) -> Sentences:
+    """Sentences about all rounds of feature differences of norm ``reach``; the last of the names is a radius."""
     d, B, W, lam = 2, 1, 1, 0.5
-    kappa = float(theory.kappa_differences.estimate(B=B, W=W))
     w = W * _direction(rng)
     policies = rng.uniform(-1, 1, (5, d))
     policies /= np.maximum(np.linalg.norm(policies, axis=1, keepdims=True), 1)
-    best = int(np.argmax(policies @ w))
+    gaps = policies[np.argmax(policies @ w)] - policies
     matrix, noise = kappa * lam * np.eye(d), -lam * w
     xs, answers = np.zeros((0, d)), np.zeros(0)
-    read: dict[str, list[Sentence]] = {}
+    read: dict[str, list[Sentence]] = {name: [] for name in names}
     missing = 0.0
     for t in range(1, _LOOKS[-1] + 1):
         inverse = np.linalg.inv(matrix)
         if t in _LOOKS:
-            size = float(np.sqrt(noise @ inverse @ noise))
-            ratio = max(0.0, float(np.linalg.slogdet(matrix)[1] - d * np.log(kappa * lam)))
-            given: dict[str, Any] = {"B": B, "W": W, "lam": lam, "d": d, "T": t, "delta": DELTA, "log_det_ratio": ratio}
             chosen = _direction(rng) * rng.random() * W
             off = xs.T @ (1 / (1 + np.exp(-xs @ chosen)) - answers) + lam * chosen
-            given["residual"] = float(np.sqrt(off @ inverse @ off))
+            ratio = max(0.0, float(np.linalg.slogdet(matrix)[1] - d * np.log(kappa * lam)))
+            given: dict[str, Any] = {
+                "B": B, "W": W, "lam": lam, "d": d, "T": t, "delta": DELTA, "log_det_ratio": ratio,
+                "residual": float(np.sqrt(off @ inverse @ off)),
+            }  # fmt: skip
+            size = float(np.sqrt(noise @ inverse @ noise))
             distance = float(np.sqrt((chosen - w) @ matrix @ (chosen - w)))
-            for name, truth in (("beta_repaired", size), ("beta_repaired_logdet", size),
-                                ("confidence_radius_repaired", distance)):  # fmt: skip
-                read.setdefault(name, []).append(Sentence(name, truth, given))
-            radius = printed(
-                "confidence_radius_repaired",
-                tuple((k, given[k]) for k in ("B", "W", "lam", "delta", "log_det_ratio", "residual")),
-            ).enclosure.upper
-            gaps = policies[best] - policies
+            for name in names:
+                read[name].append(Sentence(name, distance if "radius" in name else size, given))
+            radius = printed(names[-1], tuple(given.items())).enclosure.upper
             widths = np.sqrt(np.einsum("md,de,me->m", gaps, inverse, gaps))
             missing = max(missing, float((gaps @ chosen + radius * widths < 0).any()))
-        x = 2 * B * _hurting(rng, inverse, noise)
+        x = reach * B * _hurting(rng, inverse, noise)
         chance = 1 / (1 + np.exp(-x @ w))
         answer = float(rng.random() < chance)
         xs, answers = np.vstack([xs, x]), np.append(answers, answer)

@@ -37,8 +37,8 @@ _MISSHAPEN: dict[str, tuple[Callable[[Arrays], Arrays], str]] = {
     "negative action": (lambda a: a | {"actions": a["actions"] - 4}, "expected 0..3"),
     "fewer actions": (lambda a: a | {"actions": a["actions"][:2]}, "they must agree"),
     "fewer rewards": (lambda a: a | {"rewards": a["rewards"][:2]}, "rewards has shape (2, 8)"),
-    "rewards that are not numbers": (lambda a: a | {"rewards": a["rewards"] * np.nan}, "must be finite real numbers"),
-    "rewards in words": (lambda a: a | {"rewards": np.full((3, 8), "high")}, "must be finite real numbers"),
+    "rewards that are not numbers": (lambda a: a | {"rewards": a["rewards"] * np.nan}, "not a finite number"),
+    "rewards in words": (lambda a: a | {"rewards": np.full((3, 8), "high")}, "not a finite number"),
 }
 _EXCLUDED: dict[str, tuple[Callable[[Arrays], Arrays], str]] = {
     "a start of probability 0": (

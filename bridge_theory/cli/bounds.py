@@ -15,7 +15,7 @@ from bridge_theory.cli.options import Parser, add_parameters, setting_from
 from bridge_theory.cli.rows import Row, additions, failure_words, filled_in, row_for
 from bridge_theory.cli.sweep import parse_sweep, run_sweep
 from bridge_theory.cli.table import text_table
-from bridge_theory.defaults import missing
+from bridge_theory.defaults import filled_in_words, missing
 from bridge_theory.errors import InputError
 from bridge_theory.parameters import show
 from bridge_theory.value import BoundValue
@@ -141,15 +141,15 @@ def _latex(rows: list[Row]) -> str:
         )
     lines = []
     for row in rows:
+        status, comment = row.formula.status, row.formula.name
         if row.value:
             shown = rf" \leq {row.value.enclosure.at_most}" if math.isfinite(row.value.enclosure.upper) else ""
             failing = "" if row.value.certified else ", not certified"
+            comment += filled_in_words(row.value.filled)
         else:
             shown = "" if row.estimate is None else rf" \approx {row.estimate:.6g}"
             failing = ""
-        lines.append(
-            rf"  {row.formula.latex()}{shown} &\quad\text{{{row.formula.status}{failing}}} % {row.formula.name}"
-        )
+        lines.append(rf"  {row.formula.latex()}{shown} &\quad\text{{{status}{failing}}} % {comment}")
     return "\n".join([r"\begin{align*}", " \\\\\n".join(_break(line) for line in lines), r"\end{align*}"])
 
 

@@ -142,6 +142,8 @@ def test_json_explanations_plans_and_sweeps_say_what_was_filled_in(
     (record,) = json.loads(capsys.readouterr().out)
     assert record["filled_in"] == {"rows": "S A: every state-action pair"}
     assert _ROWS in record["words"]
+    bounds.main([*_FLAGS, "--only", "transition_error_repaired", "--latex"])
+    assert f"% transition_error_repaired Filled in, as it was not given: {_ROWS}." in capsys.readouterr().out
     bounds.main([*_FLAGS, "--explain", "transition_error_repaired"])
     assert _ROWS in " ".join(capsys.readouterr().out.split())
     plan.main(["--target-radius", "0.9", *_FLAGS])

@@ -12,7 +12,7 @@ import pytest
 
 from bridge_theory import Setting, elliptical_floor, regret_known_version_space, solve_for
 from bridge_theory.bound import Bound
-from bridge_theory.catalog import FORMULAS, all_bounds
+from bridge_theory.catalog import FORMULAS, all_bounds, all_rates
 from bridge_theory.cli import bounds, plan
 from bridge_theory.defaults import completed, default_of, missing
 from bridge_theory.errors import InputError
@@ -133,6 +133,12 @@ def test_the_table_lists_what_was_filled_in_and_for_which_bounds(capsys: pytest.
         "equal parts of delta in each bound",
     ):
         assert line in out
+
+
+def test_nothing_is_filled_in_for_a_rate() -> None:
+    """Rates are printed without words, so that nobody would be told."""
+    for rate in all_rates():
+        assert not [name for name in rate.parameters if default_of(name, rate)], rate.name
 
 
 def test_json_explanations_plans_and_sweeps_say_what_was_filled_in(

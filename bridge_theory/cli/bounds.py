@@ -83,7 +83,7 @@ def _report(rows: list[Row], left_out: list[str], of_data: set[str]) -> str:
         members = [row for row in members if group not in _GROUPS or row.formula.group == group]
         if members:
             blocks.append(f"{group}\n" + text_table(_HEADER, [_cells(row) for row in members]))
-    filled = filled_in((row.formula.name, row.value.filled) for row in rows if row.value is not None)
+    filled = filled_in((row.formula.name, row.filled) for row in rows)
     if filled:
         blocks.append("\n".join(["filled in, as they were not given", *(f"  {line}" for line in filled)]))
     if left_out:
@@ -111,6 +111,7 @@ def _record(row: Row) -> dict[str, Any]:
         "group": row.formula.group,
         "status": row.formula.status,
         "source": row.formula.source,
+        "filled_in": {item.name: item.assumes for item in row.filled},
     }
     if row.value is None:
         return record | {"estimate": row.estimate, "problem": row.problem or None}
@@ -122,7 +123,6 @@ def _record(row: Row) -> dict[str, Any]:
         "vacuous": value.vacuous,
         "failure": [_finite(value.failure.lower), _finite(value.failure.upper)],
         "certified": value.certified,
-        "filled_in": {item.name: item.assumes for item in value.filled},
         "parameters": {name: show(number) for name, number in value.parameters.items()},
         "terms": {name: [_finite(term.lower), _finite(term.upper)] for name, term in value.terms.items()},
         "words": value.words,
@@ -141,11 +141,10 @@ def _latex(rows: list[Row]) -> str:
         )
     lines = []
     for row in rows:
-        status, comment = row.formula.status, row.formula.name
+        status, comment = row.formula.status, row.formula.name + filled_in_words(row.filled)
         if row.value:
             shown = rf" \leq {row.value.enclosure.at_most}" if math.isfinite(row.value.enclosure.upper) else ""
             failing = "" if row.value.certified else ", not certified"
-            comment += filled_in_words(row.value.filled)
         else:
             shown = "" if row.estimate is None else rf" \approx {row.estimate:.6g}"
             failing = ""

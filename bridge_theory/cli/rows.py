@@ -27,15 +27,17 @@ class Row:
     value: BoundValue | None = None
     estimate: float | None = None
     problem: str = ""
+    filled: tuple[Filled, ...] = ()
 
 
 def row_for(formula: Formula, setting: Setting) -> Row:
     """Evaluate one formula whose parameters the setting determines."""
     try:
         if isinstance(formula, Bound):
-            return Row(formula, value=formula.value(setting))
-        known, _ = completed(formula, setting)
-        return Row(formula, estimate=float(np.float64(formula.estimate(**known))))
+            value = formula.value(setting)
+            return Row(formula, value=value, filled=value.filled)
+        known, filled = completed(formula, setting)
+        return Row(formula, estimate=float(np.float64(formula.estimate(**known))), filled=filled)
     except InputError as error:
         return Row(formula, problem=str(error))
 

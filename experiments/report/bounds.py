@@ -45,7 +45,7 @@ def bounds_html(config: RunConfig) -> str:
         rest = [row for row in members if row not in empty]
         tables += _folded(f"{title}: {len(empty)} bounds that say nothing here", empty)
         tables += _folded(f"{title}: {len(rest)} parts and rates", rest)
-    filled = filled_in((row.formula.name, row.value.filled) for row in rows if row.value is not None)
+    filled = filled_in((row.formula.name, row.filled) for row in rows)
     assumed = (
         f'<p class="quiet">Filled in, as a run does not show it: {escape("; ".join(filled))}.</p>' if filled else ""
     )

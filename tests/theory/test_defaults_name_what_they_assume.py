@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from bridge_theory import Setting, elliptical_floor, regret_known_version_space, solve_for
-from bridge_theory.bound import Bound
+from bridge_theory.bound import Bound, Rate
 from bridge_theory.catalog import FORMULAS, all_bounds, all_rates
 from bridge_theory.cli import bounds, plan
 from bridge_theory.defaults import completed, default_of, missing
@@ -135,10 +135,19 @@ def test_the_table_lists_what_was_filled_in_and_for_which_bounds(capsys: pytest.
         assert line in out
 
 
-def test_nothing_is_filled_in_for_a_rate() -> None:
-    """Rates are printed without words, so that nobody would be told."""
-    for rate in all_rates():
-        assert not [name for name in rate.parameters if default_of(name, rate)], rate.name
+@pytest.mark.parametrize("rate", all_rates(), ids=lambda rate: rate.name)
+def test_rates_say_what_was_filled_in_too(rate: Rate, capsys: pytest.CaptureFixture[str]) -> None:
+    flags = [*_FLAGS, *_ONLINE, "--eta", "1", "--epsilon", "0.1", "--C", "2", "--only", rate.name]
+    bounds.main([*flags, "--json"])
+    (record,) = json.loads(capsys.readouterr().out)
+    assert set(record["filled_in"]) == {name for name in rate.parameters if default_of(name, rate)}
+    bounds.main(flags)
+    out = capsys.readouterr().out
+    assert all(f"{name} = " in out for name in record["filled_in"])
+
+
+def test_one_rate_does_have_something_filled_in() -> None:
+    assert [rate.name for rate in all_rates() if completed(rate, Setting(**POINT))[1]] == ["feature_drift_rate"]
 
 
 def test_json_explanations_plans_and_sweeps_say_what_was_filled_in(

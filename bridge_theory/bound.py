@@ -52,18 +52,19 @@ class Bound(Formula):
     def value(self, setting: Setting | None = None, **values: Given) -> BoundValue:
         """Enclosure, terms, trivial value, failure probability and the statement in words, at a setting.
 
-        Parameters of the setting that this bound does not take are ignored; failure probabilities that the setting
-        lacks are equal parts of its ``delta``. Errors: ``InputError`` naming the missing parameters.
+        Parameters of the setting that this bound does not take are ignored; some that it lacks are filled in, see
+        ``bridge_theory.defaults``, and the words say so. Errors: ``InputError`` naming the missing parameters.
         """
+        from bridge_theory.defaults import completed, missing
         from bridge_theory.value import BoundValue
 
-        known = (setting or Setting()).replace(**values).completed(self.spends)
-        missing = [name for name in self.parameters if name not in known]
-        if missing:
-            raise InputError(f"{self.name} needs {', '.join(missing)}; add them to the setting")
-        exact = {name: known[name] for name in self.parameters}
+        given = (setting or Setting()).replace(**values)
+        lacking = missing(self, given)
+        if lacking:
+            raise InputError(f"{self.name} needs {', '.join(lacking)}; add them to the setting")
+        exact, filled = completed(self, given)
         self.check_conditions(exact)
-        return BoundValue(self, exact)
+        return BoundValue(self, {name: exact[name] for name in self.parameters}, filled)
 
     def _repr_html_(self) -> str:
         from bridge_theory.display import bound_html

@@ -37,6 +37,8 @@ Conventions over ``m``:
 - Where the paper's text has no value:
   ``conditions=(undefined_unless(lambda N: N >= 2, "log log 1", repaired="bonus_radius"),)``.
   Predicates take parameters by name, as exact numbers or float arrays: use ``&`` and ``|``, not ``and`` and ``or``.
+- What a user may leave out is filled in by ``bridge_theory.defaults`` alone, and the words say so. A formula about a
+  deterministic stationary expert lists ``DETERMINISTIC``: then ``rows`` and ``S_reach`` may be ``S``, else ``S A``.
 - Intermediate quantities of a theorem are parameters (``R1``, ``radius``, ``epsilon``); add a missing one to the table.
 - A minimum ``trivial`` is what one knows without the theorem. ``status``: ``stated`` is the paper's text to the letter,
   ``repaired`` the nearest statement that is proved, ``sharp`` the best that is proved.

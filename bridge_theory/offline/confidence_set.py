@@ -3,7 +3,16 @@
 from __future__ import annotations
 
 from bridge_theory.core import Arithmetic, Value, bound, falls, rises, total
-from bridge_theory.offline.assumptions import DETERMINISTIC, INDEPENDENT, MINIMUM_VISITATION, REALIZABLE, STATIONARY
+from bridge_theory.offline.assumptions import (
+    CLONE,
+    DETERMINISTIC,
+    FITTED,
+    INDEPENDENT,
+    MINIMUM_VISITATION,
+    REALIZABLE,
+    ROWS,
+    STATIONARY,
+)
 from bridge_theory.offline.concentrability import concentrability_stated
 from bridge_theory.offline.policy_error import policy_error_repaired, policy_error_sharp
 from bridge_theory.offline.transition_error import transition_error_repaired
@@ -11,7 +20,7 @@ from bridge_theory.offline.transition_error import transition_error_repaired
 _WORDS = "the expert lies within Hellinger distance {value} of the cloned policy under the estimated dynamics"
 _ERRORS = "R1 and R2 bound the two squared Hellinger errors"
 _TWO = {"R1": rises("it is under a root"), "R2": rises("it is under a root")}
-_TABULAR = (DETERMINISTIC, STATIONARY, INDEPENDENT, REALIZABLE)
+_TABULAR = (DETERMINISTIC, STATIONARY, INDEPENDENT, REALIZABLE, CLONE, FITTED, ROWS)
 _COMPOSED = {
     "S": rises("both errors rise"),
     "rows": rises("the transition error rises"),

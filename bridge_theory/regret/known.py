@@ -6,6 +6,7 @@ from typing import Any
 
 from bridge_theory.comparison import at_most
 from bridge_theory.core import Arithmetic, Value, bound, falls, rate, requires, rises
+from bridge_theory.offline.assumptions import DETERMINISTIC
 from bridge_theory.online.confidence import beta_t
 from bridge_theory.online.norm_relation import alpha_dT, gamma_known
 from bridge_theory.preference import kappa
@@ -102,7 +103,7 @@ def feature_difference_sum(
     trivial=twice_range,
     spends=("delta",),
     words="the regret is at most {value}",
-    assumptions=(BOUNDED, "the expert is deterministic, stationary, and the best policy of the class"),
+    assumptions=(BOUNDED, DETERMINISTIC, "the expert is the best policy of the class"),
     conditions=(
         requires(_unlikely_enough, "delta <= 1/e"),
         requires(_regularised_enough, "lam >= B / kappa"),

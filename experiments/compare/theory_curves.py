@@ -203,8 +203,5 @@ def _curve(
             for i, t in enumerate(subject.rounds)
         ]
         rows.append([value.enclosure.upper for value in row])
-    failure = row[-1].failure
-    return Curve(
-        kind, label, bound.source, bound.name, np.array(rows), 0.0 if failure is None else min(1.0, failure.upper),
-        missing,
-    )  # fmt: skip
+    failure = min(1.0, row[-1].failure.upper)
+    return Curve(kind, label, bound.source, bound.name, np.array(rows), failure, missing)

@@ -91,7 +91,7 @@ def test_latex_of_an_undefined_row_has_no_number(capsys: pytest.CaptureFixture[s
 def test_explain_with_and_without_values(capsys: pytest.CaptureFixture[str]) -> None:
     bounds.main([*_OFFLINE, "--explain", "offline_radius"])
     out = capsys.readouterr().out
-    for part in ("Statement:", "Assumptions:", "falls in n:", "96.6%  dominates", "With probability at least 0.95"):
+    for part in ("Statement:", "Assumptions:", "falls in n:", "96.6%  dominates", "with probability at least 0.95"):
         assert part in out
     bounds.main(["--explain", "offline_radius", "--S", "5"])
     assert "Its value also needs --A --H --n --delta --gamma-min." in capsys.readouterr().out

@@ -13,6 +13,7 @@ from bridge_theory.cli.rows import Row, missing_from, row_for
 from bridge_theory.errors import InputError
 from bridge_theory.parameters import show
 from bridge_theory.setting import Setting
+from experiments.compare.applicability import of_the_run
 from experiments.report.ledger import refuted, row_anchor
 from experiments.report.text import table_html
 
@@ -33,7 +34,7 @@ def bounds_html(config: RunConfig) -> str:
     setting = theory_setting(config, world).replace(T=config.rounds)
     given = ", ".join(f"{name} = {_short(name, setting)}" for name in setting)
     rows = [row_for(formula, setting) for formula in FORMULAS.values() if not missing_from(formula, setting)]
-    missing = "; ".join(caveats(config, world))
+    missing = "; ".join(dict.fromkeys(caveats(config, world) + of_the_run(config, world)))
     warning = f'<p class="problem">The bounds assume what this run does not keep: {escape(missing)}.</p>'
     telling = [row for row in rows if row.value is not None and row.value.trivial is not None]
     says = [row for row in telling if row.value is not None and row.value.vacuous is not True]

@@ -189,12 +189,27 @@ def test_demonstrations_of_small_integers_are_those_of_large_ones(tmp_path: Path
     assert item.certified, item.words()
 
 
+def test_demonstrations_from_elsewhere_leave_bounds_to_those_who_do_not_count_them(tmp_path: Path) -> None:
+    """In StarMDP nobody stays in state 1: counts of such steps are of no draws from it."""
+    states, actions = np.array([[0, 1, 1, 1, 1, 2, 2, 2]]), np.zeros((1, 8), dtype=int)
+    np.savez(tmp_path / "demos.npz", states=states, actions=actions)
+    config = preset("theory", "starmdp").but(**THEORY | {"rounds": 2}, demonstrations=str(tmp_path / "demos.npz"))
+    for item in verify(logged_seed(config, build_world(config), 0)[1]):
+        assert item.certified, item.words()
+        assert np.isinf(item.bounds["ucb"]).all() == (item.algorithm == "bridge")
+        assert any("that the environment excludes" in note for note in item.notes) == (item.algorithm == "bridge")
+
+
 @pytest.mark.parametrize("confidence", ["fixed", "stated", "repaired"])
 def test_one_state_and_one_action_are_certified(confidence: str, tmp_path: Path) -> None:
     save_mdp(tmp_path / "one.npz", TabularMDP(np.ones((1, 1, 1)), np.ones(1), 1, np.ones(1)))
     config = preset("theory", str(tmp_path / "one.npz")).but(**{**THEORY, "rounds": 2, "confidence": confidence})
-    for item in verify(logged_seed(config, build_world(config), 0)[1]):
+    log = logged_seed(config, build_world(config), 0)[1]
+    for item in verify(log):
         assert item.certified, item.words()
+        assert item.unshown[f'environment = "{tmp_path}/one.npz"'] == ""  # whose dynamics nothing shows
+    header = log.header | {"configuration": log.header["configuration"] | {"environment_options": {"horizon": 1}}}
+    assert not any(item.certified for item in verify(RunLog(header, log.arrays)))
 
 
 ALLOWED = ("bridge_algos.run.log_file", "bridge_algos.envs.registry")

@@ -66,7 +66,9 @@ MUTANTS: dict[str, tuple[str, str, str, tuple[str, str]]] = {
     "violated whenever exceeded": (
         "experiments.compare.comparison", "allowed == 0 or chance > allowed", "True", (COMPARED, "violated_needs"),
     ),
-    "never violated by chance": ("experiments.compare.comparison", "chance > allowed", "False", (COMPARED, "violated_needs")),
+    "never violated by chance": (
+        "experiments.compare.comparison", "chance > allowed", "False", (COMPARED, "violated_needs"),
+    ),
     "bets peek at the observation they bet on": (
         "experiments.compare.sequence", "[np.full((1, *x.shape[1:]), 0.25), variances[:-1]]", "[variances]",
         (SEQUENCES, "bets_do_not_depend"),

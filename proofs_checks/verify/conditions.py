@@ -5,6 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 from proofs_checks.verify.comparator import comparator
+from proofs_checks.verify.consistency import possible
 from proofs_checks.verify.facts import Facts
 
 
@@ -18,12 +19,16 @@ def theory_withheld(given: Facts) -> list[str]:
     """Why no bound but the trivial one is available, whatever the run did; empty when all are."""
     config = given.configuration
     total = sum(events(given).values(), start=Fraction(0))
+    counted = bool(given.offline.any())
     reasons = {
         f"the answers come from the oracle {config['oracle']!r}, not from the Bradley-Terry model": config["oracle"]
         != "bradley-terry",
         f"the fitted slope is {float(given.slope):g}, not the Bradley-Terry model's 1": given.slope != 1,
         "noise changed the recorded actions, so that counts are not those of the environment": config["noise"] != 0
-        and bool(given.offline.any()),
+        and counted,
+        "the demonstrations pass transitions that the environment excludes": counted
+        and config["noise"] == 0
+        and not possible(given, *given.demonstrations),
         "the failure probabilities of the events of the other bounds add up to 1 or more": total >= 1,
     }
     return [reason for reason, holds in reasons.items() if holds]

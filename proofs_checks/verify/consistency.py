@@ -64,7 +64,7 @@ def _environment(facts: Facts) -> list[str]:
     if not isinstance(name, str) or not isinstance(options, dict):
         return ["the configuration names no environment"]
     if name.endswith(".npz"):
-        return []
+        return ["the environment is a file, which takes no options"] if options else []
     n_states, n_actions, _ = facts.kernel.shape
     sizes = {key: size for key, size in options.items() if key.startswith("n_") and isinstance(size, int)}
     more_actions = sizes.pop("n_actions", 0) > n_actions
@@ -84,11 +84,11 @@ def _environment(facts: Facts) -> list[str]:
 
 def _demonstrations(facts: Facts) -> list[str]:
     """Their number, and that a deterministic expert made them, where they are drawn and recorded without noise."""
-    config, faults = facts.configuration, []
-    if config["noise"] == 0 and not _possible(facts, *facts.demonstrations):
-        faults.append("a demonstration passes a transition that the environment excludes")
-    if config["demonstrations"] is not None:
+    config, faults = facts.configuration, list[str]()
+    if config["demonstrations"] is not None:  # a file may hold anything, and from another environment
         return faults
+    if config["noise"] == 0 and not possible(facts, *facts.demonstrations):
+        faults.append("a demonstration passes a transition that the environment excludes")
     found, wanted = len(facts.demonstrations[0]), config["n_demonstrations"]
     if found != wanted:
         faults.append(f"the log holds {found} demonstrations, its configuration {reprlib.repr(wanted)}")
@@ -104,14 +104,15 @@ def _trajectories(facts: Facts) -> list[str]:
         for i, visited, chosen in zip(pair, states, actions, strict=True):
             if not np.array_equal(facts.policies[i][visited], chosen):
                 faults.append(f"round {t}: a trajectory takes actions that policy {i} does not take")
-            if not _possible(facts, visited, chosen):
+            if not possible(facts, visited, chosen):
                 faults.append(
                     f"round {t}: a trajectory of policy {i} passes a transition that the environment excludes"
                 )
     return faults
 
 
-def _possible(facts: Facts, states: IntArray, actions: IntArray) -> bool:
+def possible(facts: Facts, states: IntArray, actions: IntArray) -> bool:
+    """Whether the environment allows all trajectories, states and actions (n, H) each."""
     steps = facts.kernel[states[:, :-1], actions[:, :-1], states[:, 1:]]
     return bool((facts.initial[states[:, 0]] > 0).all() and (steps > 0).all())
 
@@ -120,10 +121,10 @@ def _answers(facts: Facts) -> list[str]:
     """Answers that the configured teacher cannot give."""
     config, outcomes = facts.configuration, facts.outcomes
     options = config["oracle_options"] if config["oracle"] == "returns" else {}
-    possible = np.isin(outcomes, (0.0, 1.0))
-    possible |= (outcomes == 0.5) & (options.get("equal_within", 0) > 0)
-    possible |= np.isnan(outcomes) & (options.get("skip_below", -np.inf) > -np.inf)
-    return [] if possible.all() else [f"the oracle {config['oracle']!r} of the configuration never answers like this"]
+    given = np.isin(outcomes, (0.0, 1.0))
+    given |= (outcomes == 0.5) & (options.get("equal_within", 0) > 0)
+    given |= np.isnan(outcomes) & (options.get("skip_below", -np.inf) > -np.inf)
+    return [] if given.all() else [f"the oracle {config['oracle']!r} of the configuration never answers like this"]
 
 
 def _weights(facts: Facts) -> list[str]:

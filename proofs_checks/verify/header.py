@@ -6,6 +6,7 @@ What is not known to be shown is listed: an entry, or an array, that another ver
 from __future__ import annotations
 
 import json
+import reprlib
 from collections.abc import Callable, Mapping
 from math import isnan
 from typing import Any
@@ -80,6 +81,9 @@ def check_header(log: RunLog) -> None:
         if name not in config:
             raise InputError(f"the log's configuration lacks {name}; store the log again.")
         read(config, name)
+    named = log.header.get("algorithms")
+    if not isinstance(named, list) or not all(isinstance(name, str) for name in named):
+        raise InputError(f"the log names its algorithms as {reprlib.repr(named)}, expected a list of names.")
     configured = configured_algorithms(log)
     if not configured or list(log.algorithms) != configured or len(set(configured)) < len(configured):
         raise InputError(
@@ -99,10 +103,11 @@ def unshown(log: RunLog, facts: Facts) -> dict[str, str]:
         What of each entry the data show, "" for nothing.
     """
     config, shown = facts.configuration, _shown(facts)
+    unread = ("environment",) if config["environment"].endswith(".npz") else ()  # the file is not read again
     found = {_printable(name): "" for name in log.header if name not in _SHOWN_HEADER}
     for name, value in config.items():
         if name not in shown:
-            found[f"{_printable(name)} = {_written(value)}"] = _PARTLY.get(name, "")
+            found[f"{_printable(name)} = {_written(value)}"] = "" if name in unread else _PARTLY.get(name, "")
     known = {*ARRAYS, *(f"{algorithm}/{name}" for algorithm in log.algorithms for name in OWN_ARRAYS)}
     return found | {f"the array {json.dumps(name)}": "" for name in log.arrays if name not in known}
 

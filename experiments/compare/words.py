@@ -32,7 +32,7 @@ def table(comparison: Comparison) -> str:
         curve = row.curve
         verdict = "the yardstick" if curve.kind == "trivial" else MEANINGS[row.verdict]
         if not row.proved and row.verdict in _UNDECIDED:
-            verdict += ", but false in general" if row.ledger else ", but not proved"
+            verdict += ", false in general" if row.ledger else ", not proved"
         if curve.missing and row.verdict in _UNDECIDED:
             verdict += ", not about this run"
         value = _number(row.value) if curve.kind == "rate" else _bound(row.value)
@@ -106,7 +106,7 @@ def _row_sentence(comparison: Comparison, row: Row) -> str:
         return (
             f"{label} is violated: {row.exceeded} of {comparison.empirical.seeds} seeds exceed it, hence at least a "
             f"share {_decimals(row.chance, ROUND_FLOOR)} of all runs with 95 % confidence, where "
-            f"{_decimals(row.curve.failure or 0.0, ROUND_CEILING)} is allowed."
+            f"{_allowed(row)} is allowed."
             f"{_ledger(row)}"
         )
     if row.verdict == "below, not about this run":
@@ -117,8 +117,7 @@ def _row_sentence(comparison: Comparison, row: Row) -> str:
     if row.verdict == "below, not certified":
         return (
             f"{label} is exceeded by {row.exceeded} of {comparison.empirical.seeds} seeds; its failure probability "
-            f"{_decimals(row.curve.failure or 0.0, ROUND_CEILING)} allows that, or there are too few seeds to tell."
-            f"{_ledger(row)}"
+            f"{_allowed(row)} allows that, or there are too few seeds to tell.{_ledger(row)}"
         )
     if row.curve.kind in ("stated", "stated-sums") and row.ledger:
         return f"{label} is not violated here, but false in general.{_ledger(row)}"
@@ -149,7 +148,7 @@ def _holds(curve: Curve) -> str:
     claimed = "claimed " if curve.kind in ("stated", "stated-sums") else ""
     if curve.failure == 0:
         return f"{claimed}always"
-    return f"{claimed}>= {_decimals(1 - Fraction(repr(curve.failure)), ROUND_FLOOR)}"
+    return f"{claimed}>= {_decimals(1 - _shortest(curve.failure), ROUND_FLOOR)}"
 
 
 def _band(comparison: Comparison) -> str:
@@ -175,8 +174,18 @@ def _bound(value: float) -> str:
 
 
 def _interval(low: float, high: float) -> str:
-    """An interval, rounded outward."""
-    return f"[{_decimals(low, ROUND_FLOOR)}, {_decimals(high, ROUND_CEILING)}]"
+    """An interval, rounded outward; what is zero but for the rounding of regrets is zero."""
+    return f"[{_decimals(low, ROUND_FLOOR) if abs(low) > 1e-9 else '0'}, {_decimals(high, ROUND_CEILING)}]"
+
+
+def _allowed(row: Row) -> str:
+    """The failure probability that a statement allows itself, rounded up."""
+    return _decimals(_shortest(row.curve.failure or 0.0), ROUND_CEILING)
+
+
+def _shortest(probability: float) -> Fraction:
+    """The decimal that a sum of decimals is without its rounding: 3/20 for 0.15000000000000002."""
+    return Fraction(f"{probability:.12g}")
 
 
 def _decimals(value: float | Fraction, rounding: str) -> str:

@@ -77,7 +77,8 @@ class Certificate:
             return {}
         nothing = [entry for entry, shown in self.unshown.items() if not shown]
         partly = [
-            f"of {', '.join(entry for entry, part in self.unshown.items() if part == shown)} only {shown}"
+            f"of {', '.join(entry for entry, part in self.unshown.items() if part == shown)} "
+            f"the data show no more than {shown}"
             for shown in dict.fromkeys(filter(None, self.unshown.values()))
         ]
         return {

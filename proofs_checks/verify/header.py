@@ -44,7 +44,7 @@ def _option_values(entries: Mapping[str, Any], name: str) -> object:
     options = json_object(entries, name)
     for key, value in options.items():
         if isinstance(value, bool) or not isinstance(value, int | float) or isnan(value):
-            raise InputError(f"the log's {name} has {key} = {value!r}, expected a number.")
+            raise InputError(f"the log's {name} has {key!r} = {reprlib.repr(value)}, expected a number.")
     return options
 
 
@@ -73,7 +73,8 @@ def check_header(log: RunLog) -> None:
         InputError: in one sentence.
     """
     if log.header.get("format") != FORMAT:
-        raise InputError(f"the log's format is {log.header.get('format')!r}, expected {FORMAT!r}; store it again.")
+        found = reprlib.repr(log.header.get("format"))
+        raise InputError(f"the log's format is {found}, expected {FORMAT!r}; store it again.")
     config, versions = json_object(log.header, "configuration"), json_object(log.header, "versions")
     if not all(isinstance(value, str) for value in versions.values()):
         raise InputError("the log's versions must be texts; store the log again.")
@@ -126,8 +127,8 @@ def _written(value: Any) -> str:
 _LONGEST = 120
 _SHOWN_HEADER = ("format", "configuration", "horizon", "weight_bound", "algorithms")
 _PARTLY = {
-    **dict.fromkeys(("environment", "environment_options"), "the dynamics, not the rewards"),
-    "algorithms": "those that learn, not whether the clone was run",
+    **dict.fromkeys(("environment", "environment_options"), "the dynamics"),
+    "algorithms": "those that learn",
     **dict.fromkeys(
         ("radius", "candidates", "candidate_limit", "proposals", "search_size"), "that the policies searched fit it"
     ),

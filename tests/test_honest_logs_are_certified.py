@@ -102,6 +102,13 @@ def test_each_hypothesis_alone_leaves_the_trivial_bound(
         assert any("Bradley-Terry model with w*" in text for text in item.assumptions) != withheld
 
 
+def test_a_search_of_all_policies_needs_no_demonstrations() -> None:
+    reasons = {item.algorithm: item.comparator for item in certificates("starmdp, theory")}
+    assert reasons["pbrl"].policy == reasons["bridge"].policy == BEST
+    assert reasons["pbrl"].reason == "it is searched because all policies are"
+    assert not reasons["pbrl"].assumed
+
+
 def test_demonstrations_are_assumed_of_who_counts_them_alone() -> None:
     for item in certificates("starmdp, theory"):
         (sentence,) = (text for text in item.assumptions if "fresh, independent draws" in text)

@@ -213,6 +213,20 @@ def test_answers_are_those_that_the_teacher_can_give(
     assert any("never answers like this" in reason for reason in item.reasons) != possible
 
 
+@pytest.mark.parametrize(("noise", "refused"), [(0.0, True), (0.5, False)])
+def test_demonstrations_pass_what_the_environment_allows(noise: float, refused: bool, directory: Path) -> None:
+    """Nobody stays in state 1 of StarMDP; with noise the actions recorded are not those that were taken."""
+    log, _ = honest("known", directory)
+    states = log.arrays["demonstrations/states"].copy()
+    states[0, 1:3] = 1
+    actions = np.where(states == 1, 1, log.arrays["demonstrations/actions"])
+    header = copy.deepcopy(log.header)
+    header["configuration"]["noise"] = noise
+    arrays = log.arrays | {"demonstrations/states": states, "demonstrations/actions": actions}
+    (item,) = verify(RunLog(header, arrays))
+    assert any("a demonstration passes a transition" in reason for reason in item.reasons) == refused
+
+
 def test_what_another_version_adds_is_named(directory: Path) -> None:
     """An unknown entry or array is not refused, and not silently read as nothing either."""
     log, _ = honest("known", directory)

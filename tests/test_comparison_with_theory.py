@@ -259,6 +259,7 @@ def test_few_random_runs_above_a_bound_do_not_refute_it(star, compared, seeds, v
     """A bound at level 0.85 that every run exceeds: one run may be the unlucky one, four are not."""
     subject = comparing.subjects(star)[0]
     subject = dataclasses.replace(subject, results=subject.results.isel(seed=slice(seeds)))
+    assert (comparing._empirical(subject).lower is None) == (seeds == 1)
     curve = next(row.curve for row in compared[0].rows if row.curve.kind == "a-priori")
     row = comparing._row(subject_curve := with_values(curve, -1.0), comparing._empirical(subject), 24.0)
     assert subject_curve.failure == pytest.approx(0.15)
@@ -305,6 +306,10 @@ def test_rounding_is_no_violation():
     empirical = comparing.Empirical(np.array([[1e-15]]), None, None, None)
     row = comparing._row(dataclasses.replace(curve, values=np.array([[2e-280]])), empirical, 24.0)
     assert row.verdict == "informative"
+    long = comparing.Empirical(np.array([[1e6 + 1e-4]]), None, None, None)
+    assert comparing._row(dataclasses.replace(curve, values=np.array([[1e6]])), long, 1e9).verdict == "informative"
+    long = comparing.Empirical(np.array([[1e6 + 1e-2]]), None, None, None)
+    assert comparing._row(dataclasses.replace(curve, values=np.array([[1e6]])), long, 1e9).exceeded == 1
 
 
 def test_a_bound_that_may_fail_surely_says_nothing(compared):

@@ -24,7 +24,8 @@ from bridge_algos.trajectories import sample_trajectories
 from experiments.cli import main
 from proofs_checks.verify import Certificate, verify
 from proofs_checks.verify.certificate import shared, table
-from proofs_checks.verify.comparator import BEST, SEARCHED
+from proofs_checks.verify.comparator import BEST, SEARCHED, comparator
+from proofs_checks.verify.facts import facts
 
 ROOT = Path(__file__).parent.parent
 
@@ -107,6 +108,12 @@ def test_a_search_of_all_policies_needs_no_demonstrations() -> None:
     assert reasons["pbrl"].policy == reasons["bridge"].policy == BEST
     assert reasons["pbrl"].reason == "it is searched because all policies are"
     assert not reasons["pbrl"].assumed
+    config = preset("theory", "starmdp").but(rounds=1, algorithms=("bridge-known",), radius="repaired")
+    given = facts(logged_seed(config, build_world(config), 0)[1], "bridge-known")
+    assert comparator(given).policy == BEST
+    doubled = given.policies.copy()
+    doubled[0] = doubled[1]  # as many as there are, but not all
+    assert comparator(dataclasses.replace(given, policies=doubled)).policy == SEARCHED
 
 
 def test_demonstrations_are_assumed_of_who_counts_them_alone() -> None:

@@ -227,6 +227,17 @@ def test_demonstrations_pass_what_the_environment_allows(noise: float, refused: 
     assert any("a demonstration passes a transition" in reason for reason in item.reasons) == refused
 
 
+def test_weights_outside_of_the_ball_are_refused_where_w_is_no_claim(directory: Path) -> None:
+    """A hand-set multiplier does not depend on W, so that no other claim contradicts a smaller one."""
+    log, _ = honest("hand-set, known", directory)
+    largest = float(np.linalg.norm(log.arrays["bridge-known/w"], axis=1).max())
+    for share, refused in ((0.7, True), (1.01, False)):
+        header = copy.deepcopy(log.header)
+        header["weight_bound"] = header["configuration"]["weight_bound"] = share * largest
+        (item,) = verify(RunLog(header, log.arrays))
+        assert any("the weights have norm" in reason for reason in item.reasons) == refused
+
+
 def test_what_another_version_adds_is_named(directory: Path) -> None:
     """An unknown entry or array is not refused, and not silently read as nothing either."""
     log, _ = honest("known", directory)

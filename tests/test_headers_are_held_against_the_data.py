@@ -213,6 +213,11 @@ def test_answers_are_those_that_the_teacher_can_give(
     assert any("never answers like this" in reason for reason in item.reasons) != possible
 
 
+def test_a_network_is_shown_where_the_features_are_learnt(directory: Path) -> None:
+    for name, listed in (("known", True), ("unknown", False)):
+        assert named(honest(name, directory)[1], "transition_model") == listed
+
+
 @pytest.mark.parametrize(("noise", "refused"), [(0.0, True), (0.5, False)])
 def test_demonstrations_pass_what_the_environment_allows(noise: float, refused: bool, directory: Path) -> None:
     """Nobody stays in state 1 of StarMDP; with noise the actions recorded are not those that were taken."""

@@ -95,9 +95,7 @@ def _trivial(subject: Subject, label: str) -> Curve:
 def _certified(subject: Subject, label: str) -> Curve:
     seeds = [int(seed) for seed in subject.results.seed.values]
     values, failure = certified(subject.certificates, subject.algorithm, seeds)
-    missing = missing_of_certified(subject)
-    curve = Curve("certified", label, SOURCE, CHECKER, subject.at_rounds(values), failure, missing)
-    return curve if subject.config.radius == "zero" else _with_offline_set(curve, subject)
+    return Curve("certified", label, SOURCE, CHECKER, subject.at_rounds(values), failure, missing_of_certified(subject))
 
 
 def _apriori(subject: Subject, label: str) -> Curve:

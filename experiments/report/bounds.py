@@ -14,6 +14,7 @@ from bridge_theory.defaults import missing
 from bridge_theory.errors import InputError
 from bridge_theory.parameters import show
 from bridge_theory.setting import Setting
+from experiments.compare.applicability import of_the_run
 from experiments.report.ledger import refuted, row_anchor
 from experiments.report.text import table_html
 
@@ -34,7 +35,7 @@ def bounds_html(config: RunConfig) -> str:
     setting = theory_setting(config, world).replace(T=config.rounds)
     given = ", ".join(f"{name} = {_short(name, setting)}" for name in setting)
     rows = [row_for(formula, setting) for formula in FORMULAS.values() if not missing(formula, setting)]
-    broken = "; ".join(caveats(config, world))
+    broken = "; ".join(dict.fromkeys(caveats(config, world) + of_the_run(config, world)))
     warning = f'<p class="problem">The bounds assume what this run does not keep: {escape(broken)}.</p>'
     telling = [row for row in rows if row.value is not None and row.value.trivial is not None]
     says = [row for row in telling if row.value is not None and row.value.certified and row.value.vacuous is not True]

@@ -61,6 +61,10 @@ class Trajectories:
             raise InputError(f"the trajectories have {self.horizon} steps, expected the MDP's horizon {horizon}.")
         if self.rewards is not None and self.rewards.shape != self.states.shape:
             raise InputError(f"rewards has shape {self.rewards.shape}, expected that of states, {self.states.shape}.")
+        if self.rewards is not None and (self.rewards.dtype.kind not in "iuf" or not np.isfinite(self.rewards).all()):
+            raise InputError(
+                "rewards has an entry that is not a finite number; leave them out where not all are known."
+            )
         return self
 
 

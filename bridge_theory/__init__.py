@@ -87,6 +87,7 @@ from bridge_theory.online.confidence import (
     beta_repaired_logdet,
     beta_t,
     confidence_radius,
+    confidence_radius_nonnegative,
     confidence_radius_repaired,
 )
 from bridge_theory.online.containment import containment_failure_known, containment_failure_unknown
@@ -101,7 +102,7 @@ from bridge_theory.online.multiplier import (
     step_bonus_delta,
 )
 from bridge_theory.online.norm_relation import alpha_dT, gamma_known, matrix_shift, norm_relation, norm_relation_sharp
-from bridge_theory.preference import kappa, kappa_differences
+from bridge_theory.preference import kappa, kappa_differences, kappa_nonnegative
 from bridge_theory.regret.bonus_sums import (
     bonus_sum_stated,
     offline_bonus_log_term,
@@ -196,6 +197,7 @@ __all__ = [
     "concentrability_sharp",
     "concentrability_stated",
     "confidence_radius",
+    "confidence_radius_nonnegative",
     "confidence_radius_repaired",
     "confidence_set_radius",
     "confidence_set_radius_angle",
@@ -238,6 +240,7 @@ __all__ = [
     "hellinger_from_kl_with_exits",
     "kappa",
     "kappa_differences",
+    "kappa_nonnegative",
     "main_simplified_rate",
     "martingale_rate",
     "martingale_repaired",

@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 from bridge_theory.arithmetic import Value
 from bridge_theory.arithmetic.balls import BALLS
-from bridge_theory.arithmetic.flint_balls import rational
 from bridge_theory.conditions import Condition
-from bridge_theory.enclosure import Enclosure, enclose
+from bridge_theory.enclosure import Enclosure, ball_arguments, enclose
 from bridge_theory.errors import InputError
 from bridge_theory.formula import Formula, Group, Status
 from bridge_theory.monotone import Monotone
-from bridge_theory.parameters import Exact, Given, Stored, parameter
+from bridge_theory.parameters import Exact, Given, parameter
 from bridge_theory.setting import Setting
 
 if TYPE_CHECKING:
@@ -36,6 +35,11 @@ class Bound(Formula):
     failure: Callable[..., Value] | None = None
     words: str = ""
 
+    @property
+    def from_below(self) -> bool:
+        """Whether the statement bounds its quantity from below."""
+        return "{at_least}" in self.words
+
     def enclosure(self, **values: Given) -> Enclosure:
         """Two floats that provably enclose the exact value at these exact parameters; precision rises by itself.
 
@@ -48,18 +52,19 @@ class Bound(Formula):
     def value(self, setting: Setting | None = None, **values: Given) -> BoundValue:
         """Enclosure, terms, trivial value, failure probability and the statement in words, at a setting.
 
-        Parameters of the setting that this bound does not take are ignored; failure probabilities that the setting
-        lacks are equal parts of its ``delta``. Errors: ``InputError`` naming the missing parameters.
+        Parameters of the setting that this bound does not take are ignored; some that it lacks are filled in, see
+        ``bridge_theory.defaults``, and the words say so. Errors: ``InputError`` naming the missing parameters.
         """
+        from bridge_theory.defaults import completed, missing
         from bridge_theory.value import BoundValue
 
-        known = (setting or Setting()).replace(**values).completed(self.spends)
-        missing = [name for name in self.parameters if name not in known]
-        if missing:
-            raise InputError(f"{self.name} needs {', '.join(missing)}; add them to the setting")
-        exact = {name: known[name] for name in self.parameters}
+        given = (setting or Setting()).replace(**values)
+        lacking = missing(self, given)
+        if lacking:
+            raise InputError(f"{self.name} needs {', '.join(lacking)}; add them to the setting")
+        exact, filled = completed(self, given)
         self.check_conditions(exact)
-        return BoundValue(self, exact)
+        return BoundValue(self, {name: exact[name] for name in self.parameters}, filled)
 
     def _repr_html_(self) -> str:
         from bridge_theory.display import bound_html
@@ -87,11 +92,6 @@ class Rate(Formula):
         from bridge_theory.symbolic import latex_of
 
         return rf"${self.symbol} = \tilde O\left({latex_of(self.expression())}\right)$"
-
-
-def ball_arguments(exact: Mapping[str, Stored]) -> dict[str, Any]:
-    """Validated exact parameters as the rigorous arithmetic takes them, still exact; it converts arrays by entry."""
-    return {name: value if isinstance(value, tuple) else rational(value) for name, value in exact.items()}
 
 
 def call_with(function: Callable[..., Value], m: Any, values: Mapping[str, Any]) -> Value:

@@ -15,20 +15,21 @@ from bridge_theory.parameters import show
 
 @dataclass(frozen=True)
 class Condition:
-    """``holds`` takes some of the formula's parameters by name, as exact numbers or float arrays."""
+    """``holds`` takes some of the formula's parameters by name: exact numbers, object arrays of them, or tuples."""
 
     holds: Callable[..., Any]
     text: str
     repaired: str | None = None
 
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """The names of the parameters that it takes."""
+        return tuple(inspect.signature(self.holds).parameters)
+
     def check(self, name: str, given: Mapping[str, object]) -> None:
         """Raise the error of this condition if any of the given points violates it."""
-        chosen = {key: given[key] for key in inspect.signature(self.holds).parameters}
-        try:
-            holds = bool(np.all(self.holds(**chosen)))
-        except OverflowError:  # some conditions take logarithms in float64
-            raise InputError(f"{name} requires {self.text}, which is not decided beyond float64") from None
-        if holds:
+        chosen = {key: given[key] for key in self.parameters}
+        if np.all(self.holds(**chosen)):
             return
         point = ", ".join(f"{key} = {_shown(value)}" for key, value in chosen.items())
         if self.repaired is None:
@@ -56,5 +57,5 @@ def undefined_unless(holds: Callable[..., Any], reason: str, *, repaired: str) -
 
 def _shown(value: object) -> str:
     if isinstance(value, np.ndarray) and value.size > 1:
-        return f"{value.size} values from {value.min():.6g} to {value.max():.6g}"
-    return show(value) if not isinstance(value, np.ndarray | np.generic) else str(value)  # type: ignore[arg-type]
+        return f"{value.size} values from {show(value.min())} to {show(value.max())}"
+    return show(value.item() if isinstance(value, np.ndarray) else value)  # type: ignore[arg-type]

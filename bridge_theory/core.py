@@ -23,7 +23,8 @@ Conventions over ``m``:
 
 - ``+ - * /`` and ``x**2`` work on values; two Python integers must not meet (``1 / 2`` is a float): write ``x / 2`` or
   ``m.number(Fraction(1, 2))``. No float literals, ever. ``m.power(m.number(2), -S)`` where the exponent is a value.
-- ``m.sqrt, m.log, m.log1p, m.exp, m.expm1, m.cosh, m.sin, m.arcsin, m.arccos, m.pi()``.
+- ``m.sqrt, m.log, m.log1p, m.exp, m.expm1, m.cosh, m.sin, m.arcsin, m.arccos, m.pi()``, and two that know exact values:
+  ``m.log1p_ratio(x, y)``, ``m.one_minus_root(x, n)``.
 - ``m.min(...)``, ``m.max(...)`` (integers allowed among the arguments), ``m.ceil(x)``.
 - Branches: ``m.if_at_most(x, y, lambda: then, lambda: otherwise)`` is ``then`` where ``x <= y``; lambdas, because the
   other branch may have no value. An undecided ball encloses both.
@@ -36,6 +37,8 @@ Conventions over ``m``:
 - Where the paper's text has no value:
   ``conditions=(undefined_unless(lambda N: N >= 2, "log log 1", repaired="bonus_radius"),)``.
   Predicates take parameters by name, as exact numbers or float arrays: use ``&`` and ``|``, not ``and`` and ``or``.
+- What a user may leave out is filled in by ``bridge_theory.defaults`` alone, and the words say so. A formula about a
+  deterministic stationary expert lists ``DETERMINISTIC``: then ``rows`` and ``S_reach`` may be ``S``, else ``S A``.
 - Intermediate quantities of a theorem are parameters (``R1``, ``radius``, ``epsilon``); add a missing one to the table.
 - A minimum ``trivial`` is what one knows without the theorem. ``status``: ``stated`` is the paper's text to the letter,
   ``repaired`` the nearest statement that is proved, ``sharp`` the best that is proved.

@@ -48,6 +48,7 @@ def value_html(value: BoundValue) -> str:
     """Enclosure, terms and words of an evaluated bound."""
     rows = [("value", str(value.enclosure), "")]
     rows += [(name, str(term), _share(value, name)) for name, term in value.terms.items()]
+    rows.append(("failure probability", value.failure.at_most, "" if value.certified else "nothing is certified"))
     if value.trivial is not None:
         rows.append(("trivial", str(value.trivial), "vacuous" if value.vacuous else ""))
     return f"<p>{escape(value.words)}</p>" + table_html((value.bound.name, "enclosure", "share"), rows)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Any
 
 from bridge_theory.arithmetic import flint_balls
 from bridge_theory.arithmetic.protocol import Value
+from bridge_theory.parameters import Stored
 from bridge_theory.rounding import rounded_down, rounded_up
 
 FIRST_BITS = 96
@@ -22,7 +24,7 @@ class Enclosure:
 
     Source: ball arithmetic (Johansson 2017). ``bits`` is the working precision that was needed; ``narrow`` is False
     when even the highest precision left the ends more than a few units in the last place apart. ``exact`` is the value
-    itself where it is a rational number that the formula reaches by ``+ - * /`` alone.
+    itself where it is a rational number that the computation knows, as ``sqrt(4)`` or a cap that is attained.
 
     >>> 1.25 in Enclosure(1.0, 1.5, bits=96, narrow=False)
     True
@@ -68,13 +70,18 @@ class Enclosure:
         return f"[{self.lower!r}, {self.upper!r}]{note}"
 
 
+def ball_arguments(exact: Mapping[str, Stored]) -> dict[str, Any]:
+    """Validated exact parameters as the rigorous arithmetic takes them, still exact; it converts arrays by entry."""
+    return {name: value if isinstance(value, tuple) else flint_balls.rational(value) for name, value in exact.items()}
+
+
 def sharpen(compute: Callable[[], Value]) -> tuple[Value, int, bool]:
     """Evaluate at rising precision until the ball pins a float64 down: the value, the precision, whether it did."""
     bits = FIRST_BITS
     while True:
         with flint_balls.working_precision(bits):
             value = compute()
-            narrow = flint_balls.accuracy_bits(flint_balls.as_ball(value)) >= _ENOUGH_BITS
+            narrow = flint_balls.accuracy_bits(value) >= _ENOUGH_BITS
         if narrow or bits >= LAST_BITS:
             return value, bits, narrow
         bits *= 2
@@ -84,5 +91,5 @@ def enclose(compute: Callable[[], Value]) -> Enclosure:
     """The certified float64 enclosure of a ball-valued computation, precision raised as far as needed."""
     value, bits, narrow = sharpen(compute)
     with flint_balls.working_precision(bits):
-        lower, upper = flint_balls.ends(flint_balls.as_ball(value))
+        lower, upper = flint_balls.ends(value)
     return Enclosure(lower, upper, bits, narrow, flint_balls.as_fraction(value))

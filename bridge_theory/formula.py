@@ -11,9 +11,9 @@ from typing import Any, Literal
 import numpy as np
 
 from bridge_theory.arithmetic import Value
-from bridge_theory.arithmetic.floats import FLOATS
 from bridge_theory.conditions import Condition
 from bridge_theory.errors import InputError
+from bridge_theory.estimation import estimated, exact_points
 from bridge_theory.monotone import Monotone
 from bridge_theory.parameters import Given, Stored, parameter
 from bridge_theory.terms import combined
@@ -61,15 +61,16 @@ class Formula:
         return combined(m, self.function(m, **values))
 
     def estimate(self, **values: object) -> Any:
-        """The value in float64, broadcasting over array arguments; no certificate.
+        """The value in float64, broadcasting over array arguments; no certificate, but right to ten digits.
 
-        Returns a float64 scalar or array. Errors: ``InputError`` for unknown, missing or out-of-domain parameters.
+        Returns a float64 scalar or array: infinite where the value is beyond float64, nan where it is not known.
+        Errors: ``InputError`` for unknown, missing or out-of-domain parameters.
         """
         self._check_names(values)
         floats = {name: parameter(name).floats(value) for name, value in values.items()}
-        self.check_conditions(floats)
-        with np.errstate(all="ignore"):  # branches that are not taken may overflow
-            outcome = self(FLOATS, **floats)
+        conditioned = dict.fromkeys(name for condition in self.conditions for name in condition.parameters)
+        self.check_conditions(exact_points({name: values[name] for name in conditioned}, floats))
+        outcome = estimated(self, values, floats)
         return np.float64(outcome) if np.ndim(outcome) == 0 else np.asarray(outcome)
 
     def expression(self, **values: Given) -> Any:

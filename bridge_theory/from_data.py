@@ -35,7 +35,7 @@ def bounds_from_counts(
     numbers; ``delta`` in (0, 1); ``mass`` is at least the squared radius of T8(B), computed by dynamic programming
     elsewhere, and without it T8(B) is left out. Returns values by the name of the bound; where the data refute a
     deterministic expert (see ``contradicted_states``), without those that assume one. Errors: ``InputError`` if the
-    shapes do not fit or a step does not hold one action per demonstration.
+    shapes do not fit, the transitions do not join the visits, or a step does not hold one action per demonstration.
 
     >>> visits = np.array([[[3, 0], [0, 0]], [[2, 0], [0, 1]]])
     >>> transitions = np.zeros((1, 2, 2, 2), dtype=int)
@@ -96,4 +96,10 @@ def _check(visits: IntArray, transitions: IntArray) -> None:
     if totals[0] == 0 or not np.all(totals == totals[0]):
         raise InputError(
             f"the steps hold {totals.tolist()} recorded actions; expected one per demonstration at every step"
+        )
+    leaving, arriving = transitions.sum(axis=3), transitions.sum(axis=(1, 2))
+    if not (np.array_equal(leaving, visits[:-1]) and np.array_equal(arriving, visits[1:].sum(axis=2))):
+        raise InputError(
+            "transitions do not join the visits: each step must leave every pair as often as it was visited and "
+            "reach every state as often as the next step visits it"
         )

@@ -189,7 +189,7 @@ _ROWS = (
     Parameter(
         "rows",
         r"\rho_{\mathrm{rows}}",
-        "transition rows that are estimated: S A, or the S expert rows",
+        "state-action pairs whose rows are estimated: all S A, or those that the expert can use",
         POSITIVE_INTEGER,
         "rows",
     ),

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from fractions import Fraction
 from typing import Any
 
 from bridge_theory.errors import InputError
 from bridge_theory.parameters import Given, Stored, parameter, show
-
-_COPIES = {"S": ("rows", "S_reach"), "T": ("t",)}
 
 
 class Setting(Mapping[str, "Stored"]):
@@ -69,24 +66,3 @@ class Setting(Mapping[str, "Stored"]):
 
     def _repr_latex_(self) -> str:
         return f"${', '.join(f'{parameter(name).latex} = {show(value)}' for name, value in self.items())}$"
-
-    def completed(self, spends: tuple[str, ...]) -> dict[str, Stored]:
-        """The values, with conventions where the user left something open.
-
-        ``delta1`` and ``delta2`` are halves of ``delta``, as in the paper's theorem; other failure probabilities that a
-        bound spends are equal parts of ``delta``. What is always true is filled in: ``rows`` and ``S_reach`` are ``S``,
-        which bounds what a deterministic expert uses; ``Delta_n`` is 1, ``diameter`` is ``2 B``. The paper compares
-        once per round (``K`` is 1), and per-round quantities are taken at the last round (``t`` is ``T``).
-
-        >>> Setting(S=5, delta="0.06").completed(("delta_off", "delta_w"))["delta_w"]
-        Fraction(3, 100)
-        """
-        values: dict[str, Stored] = {"K": 1, "Delta_n": 1}
-        for name, copies in _COPIES.items():
-            values.update({copy: self[name] for copy in copies if name in self})
-        delta, norm = self.get("delta"), self.get("B")
-        if isinstance(delta, Fraction):
-            values.update({name: delta / len(spends) for name in spends}, delta1=delta / 2, delta2=delta / 2)
-        if isinstance(norm, int | Fraction):
-            values["diameter"] = 2 * norm
-        return {**values, **self._values}

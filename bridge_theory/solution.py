@@ -4,31 +4,38 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal
+from functools import cached_property
+from typing import TYPE_CHECKING, Literal
 
 from bridge_theory.bound import Bound
+from bridge_theory.defaults import Filled, filled_in_words
 from bridge_theory.enclosure import Enclosure
 from bridge_theory.monotone import Monotone
 from bridge_theory.parameters import Exact, Stored, parameter, show
+
+if TYPE_CHECKING:
+    from bridge_theory.value import BoundValue
 
 
 @dataclass(frozen=True, eq=False)
 class Solution:
     """Where a bound meets a target.
 
-    ``searched`` holds the first and the last value at which the bound applies, among those that are searched: nothing
-    is said of larger ones where the parameter has no end. ``status`` is ``found``, ``always`` (every searched value
-    meets the target; ``value`` is the least favourable one), ``never`` or ``undecided``: the highest precision does not
-    tell whether ``beyond`` meets the target. An undecided answer may still have a ``value`` that does, but perhaps not
-    the last one. ``meets`` encloses the bound at ``value``; ``fails`` encloses it at ``beyond``, the neighbour (or, of
-    ``never``, the most favourable value) that exceeds the target (None where undecided). ``excluded`` says whether all
-    searched values beyond were ruled out by interval arithmetic alone; otherwise they are by the declared monotonicity.
+    ``filled`` are those of the ``others`` that were not given. ``searched`` holds the first and the last value at which
+    the bound applies, among those that are searched: nothing is said of larger ones where the parameter has no end.
+    ``status`` is ``found``, ``always`` (every searched value meets the target; ``value`` is the least favourable one),
+    ``never`` or ``undecided``: the highest precision does not tell whether ``beyond`` meets the target. An undecided
+    answer may still have a ``value`` that does, but perhaps not the last one. ``meets`` encloses the bound at
+    ``value``; ``fails`` encloses it at ``beyond``, the neighbour (or, of ``never``, the most favourable value) that
+    exceeds the target (None where undecided). ``excluded`` says whether all searched values beyond were ruled out by
+    interval arithmetic alone; otherwise they are by the declared monotonicity.
     """
 
     bound: Bound
     name: str
     target: Exact
     others: Mapping[str, Stored]
+    filled: tuple[Filled, ...]
     searched: tuple[Exact, Exact]
     status: Literal["found", "always", "never", "undecided"]
     value: Exact | None
@@ -38,9 +45,27 @@ class Solution:
     excluded: bool
     reason: str
 
+    @cached_property
+    def at_value(self) -> BoundValue | None:
+        """The bound at ``value``, with its own failure probability; None where there is no value."""
+        from bridge_theory.value import BoundValue
+
+        if self.value is None:
+            return None
+        exact = {**self.others, self.name: self.value}
+        return BoundValue(self.bound, {name: exact[name] for name in self.bound.parameters}, self.filled)
+
     @property
     def words(self) -> str:
-        """The answer in one or two sentences."""
+        """The answer, whether the bound certifies anything there, and what was filled in."""
+        empty = ""
+        if self.at_value is not None and not self.at_value.certified:
+            total = self.at_value.failure.at_most
+            empty = f" Nothing is certified there: the bound's events may fail with a total probability of {total}."
+        return self._answer + empty + filled_in_words(self.filled)
+
+    @property
+    def _answer(self) -> str:
         goal = f"{self.bound.name} <= {show(self.target)}"
         if self.status == "never":
             return f"No {self._every} achieves {goal}: {self.reason}."

@@ -6,6 +6,7 @@ from itertools import pairwise
 from typing import Any
 
 from bridge_theory.bound import Bound
+from bridge_theory.defaults import Filled, completed, missing
 from bridge_theory.errors import InputError
 from bridge_theory.monotone import Monotone
 from bridge_theory.parameters import Exact, Given, Parameter, Stored, parameter, show, to_exact
@@ -34,18 +35,27 @@ def solve_for(name: str, bound: Bound, target: Given, *, setting: Setting | None
     """
     row, direction = parameter(name), _direction(name, bound)
     goal = to_exact("target", target)
-    exact = _others(name, bound, setting, fixed)
+    exact, filled = _others(name, bound, setting, fixed)
     _check_where(name, bound, direction, exact)
     grid = integer_grid(row.domain) if row.domain.integer else float_grid(row.domain)
-    search = _Search(bound, row, goal, exact, grid)
+    search = _Search(bound, row, goal, exact, grid, filled)
     return search.smallest() if direction.direction == "falls" else search.largest()
 
 
 class _Search:
     """Bisection over the indices of a grid, remembering every evaluated point."""
 
-    def __init__(self, bound: Bound, row: Parameter, goal: Exact, exact: dict[str, Stored], grid: Grid) -> None:
+    def __init__(
+        self,
+        bound: Bound,
+        row: Parameter,
+        goal: Exact,
+        exact: dict[str, Stored],
+        grid: Grid,
+        filled: tuple[Filled, ...],
+    ) -> None:
         self._bound, self._row, self._goal, self._exact, self._grid = bound, row, goal, exact, grid
+        self._filled = filled
         self._probes: dict[int, Probe] = {}
         self._searched = self._window()
 
@@ -174,7 +184,7 @@ class _Search:
 
     def _solution(self, **answer: Any) -> Solution:
         first, last = (self._grid.number(index) for index in self._searched)
-        return Solution(self._bound, self._row.name, self._goal, self._exact, (first, last), **answer)
+        return Solution(self._bound, self._row.name, self._goal, self._exact, self._filled, (first, last), **answer)
 
     def _meets(self, index: int) -> bool:
         return self._probe(index).verdict == "meets"
@@ -208,12 +218,16 @@ def _direction(name: str, bound: Bound) -> Monotone:
     return bound.monotone[name]
 
 
-def _others(name: str, bound: Bound, setting: Setting | None, fixed: dict[str, Given]) -> dict[str, Stored]:
-    known = (setting or Setting()).replace(**fixed).completed(bound.spends)
-    missing = [other for other in bound.parameters if other != name and other not in known]
-    if missing:
-        raise InputError(f"solving {bound.name} for {name} needs {', '.join(missing)}")
-    return {other: known[other] for other in bound.parameters if other != name}
+def _others(
+    name: str, bound: Bound, setting: Setting | None, fixed: dict[str, Given]
+) -> tuple[dict[str, Stored], tuple[Filled, ...]]:
+    given = {key: value for key, value in (setting or Setting()).replace(**fixed).items() if key != name}
+    lacking = missing(bound, given, varied=name)
+    if lacking:
+        raise InputError(f"solving {bound.name} for {name} needs {', '.join(lacking)}")
+    known, filled = completed(bound, given)
+    others = {other: known[other] for other in bound.parameters if other != name}
+    return others, tuple(item for item in filled if item.name != name)
 
 
 def _check_where(name: str, bound: Bound, direction: Monotone, exact: dict[str, Stored]) -> None:

@@ -11,8 +11,9 @@ from typing import Any
 from bridge_theory.arithmetic.balls import BALLS
 from bridge_theory.arithmetic.flint_balls import rational
 from bridge_theory.arithmetic.protocol import Value
-from bridge_theory.bound import Bound, ball_arguments, call_with
-from bridge_theory.enclosure import Enclosure, enclose
+from bridge_theory.bound import Bound, call_with
+from bridge_theory.defaults import Filled, filled_in_words
+from bridge_theory.enclosure import Enclosure, ball_arguments, enclose
 from bridge_theory.parameters import Exact, Stored, parameter, show
 from bridge_theory.terms import Terms
 
@@ -21,7 +22,8 @@ from bridge_theory.terms import Terms
 class BoundValue:
     """A bound evaluated at validated exact parameters; everything numeric in it is certified.
 
-    Made by ``Bound.value``. Errors: none beyond those of ``Bound.value``.
+    Made by ``Bound.value``; ``filled`` are the parameters that the setting did not hold. Errors: none beyond those of
+    ``Bound.value``.
 
     >>> from bridge_theory import offline_radius
     >>> value = offline_radius.value(S=5, A=4, H=8, n=2, delta="0.05", gamma_min="0.1")
@@ -31,6 +33,7 @@ class BoundValue:
 
     bound: Bound
     parameters: Mapping[str, Stored]
+    filled: tuple[Filled, ...] = ()
 
     @cached_property
     def enclosure(self) -> Enclosure:
@@ -82,23 +85,39 @@ class BoundValue:
         return True if self.enclosure.narrow and self.trivial.narrow else None  # they agree to the highest precision
 
     @cached_property
-    def failure(self) -> Enclosure | None:
-        """The total probability with which the statement may fail, or None for a deterministic statement."""
+    def failure(self) -> Enclosure:
+        """The total probability with which this statement's own events may fail; 0 for a deterministic statement."""
         total = self.bound.failure
         if total is not None:
             return enclose(lambda: call_with(total, BALLS, ball_arguments(self.parameters)))
-        if not self.bound.spends:
-            return None
         return enclose(self._spent)
 
     @property
+    def certified(self) -> bool:
+        """Whether the statement's events are proved to fail with a probability below 1; otherwise it says nothing."""
+        return self.failure.upper < 1
+
+    @property
     def words(self) -> str:
-        """The statement in words: its probability, its value, its assumptions."""
-        chance = "" if self.failure is None else f"with probability at least {self.failure.complement_at_least}, "
-        statement = chance + self.bound.words.format(value=self.enclosure.at_most, at_least=self.enclosure.at_least)
+        """The statement in words: its probability, its value, its assumptions, and what was filled in for it."""
+        statement = self.bound.words.format(value=self.enclosure.at_most, at_least=self.enclosure.at_least)
+        chance = f"with probability at least {self.failure.complement_at_least}, " if self.failure.upper > 0 else ""
+        if not self.certified:
+            total = self.failure.at_most
+            chance = f"nothing is certified, for its events may fail with a total probability of {total}: "
+        claim = self._whose + chance + statement
         provided = f", provided {'; '.join(self.bound.assumptions)}" if self.bound.assumptions else ""
         empty = " This is no better than the trivial value." if self.vacuous else ""
-        return statement[0].upper() + statement[1:] + provided + "." + empty
+        return claim[0].upper() + claim[1:] + provided + "." + filled_in_words(self.filled) + empty
+
+    @property
+    def shown(self) -> str:
+        """Six digits on the side on which the statement stays true: up for an upper bound, down for a lower one."""
+        return self.safe_side(self.enclosure)
+
+    def safe_side(self, enclosure: Enclosure) -> str:
+        """Six digits of the value or of one of its terms, rounded to the side of the statement."""
+        return enclosure.at_least if self.bound.from_below else enclosure.at_most
 
     def __str__(self) -> str:
         return f"{self.bound.name} = {self.enclosure}"
@@ -115,6 +134,14 @@ class BoundValue:
     def _repr_latex_(self) -> str:
         shown = ", ".join(f"{parameter(name).latex} = {show(value)}" for name, value in self.parameters.items())
         return rf"${self.bound.symbol} \in [{self.enclosure.lower!r}, {self.enclosure.upper!r}] \quad ({shown})$"
+
+    @property
+    def _whose(self) -> str:
+        """Who says so, where it is not proved here: the paper, or the paper but for one repair."""
+        if self.bound.status != "stated":
+            return ""
+        source = self.bound.source
+        return f"as the paper would state after {source}, " if source.startswith("audit ") else "as the paper states, "
 
     def _computed(self) -> Value:
         return self.bound(BALLS, **ball_arguments(self.parameters))

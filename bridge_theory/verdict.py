@@ -10,8 +10,8 @@ from typing import Literal
 from bridge_theory.arithmetic import flint_balls
 from bridge_theory.arithmetic.balls import BALLS
 from bridge_theory.arithmetic.protocol import Value
-from bridge_theory.bound import Bound, ball_arguments
-from bridge_theory.enclosure import FIRST_BITS, LAST_BITS, Enclosure
+from bridge_theory.bound import Bound
+from bridge_theory.enclosure import FIRST_BITS, LAST_BITS, Enclosure, ball_arguments
 from bridge_theory.errors import InputError
 from bridge_theory.parameters import Exact, Stored
 

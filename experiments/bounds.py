@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 from bridge_theory.cli.bounds import main as bounds_of_a_setting
 from bridge_theory.cli.options import Parser
+from bridge_theory.errors import InputError
+from bridge_theory.parameters import to_exact
 from bridge_theory.value import BoundValue
 
 if TYPE_CHECKING:
@@ -16,7 +18,7 @@ if TYPE_CHECKING:
 def main(argv: list[str]) -> int:
     """``bridge-rl bounds``; ``--demos FILE --mdp FILE_OR_NAME`` adds what those demonstrations certify by themselves.
 
-    Sizes that the files show (S, A, H, n) are filled in unless they are given. Without ``--demos`` nothing but
+    Sizes that the files show (S, A, H, n) are filled in; others are refused. Without ``--demos`` nothing but
     ``bridge_theory`` is loaded.
     """
     p = Parser(prog="bridge-rl bounds", add_help=False, allow_abbrev=False)
@@ -33,8 +35,11 @@ def main(argv: list[str]) -> int:
     delta = _flag_value(rest, "--delta") or "0.05"
     sizes, values, note = _from_data(options.demos, options.mdp, options.empty_row, delta)
     for flag, size in (sizes | {"--delta": delta}).items():
-        if _flag_value(rest, flag) is None:
+        given = _flag_value(rest, flag)
+        if given is None:
             rest += [flag, str(size)]
+        elif flag != "--delta" and to_exact(flag, given) != size:
+            raise InputError(f"{flag} {given} contradicts the files, which show {size}; leave it out.")
     status = bounds_of_a_setting(rest, values)
     if {"--json", "--latex"} & set(rest):
         print(note, file=sys.stderr)
@@ -45,22 +50,21 @@ def main(argv: list[str]) -> int:
 
 def _from_data(demos: str, mdp: str, empty_row: EmptyRow, delta: str) -> tuple[dict[str, int], list[BoundValue], str]:
     """The sizes that the files show, the values that the demonstrations certify, and what to know about them."""
+    from bridge_algos.demonstrations import load_demonstrations
     from bridge_algos.mdp_file import load_mdp
-    from bridge_algos.offline.cloning import clone_deterministic
-    from bridge_algos.offline.data_radius import leaving_mass
+    from bridge_algos.offline.data_bounds import bounds_from_demonstrations
     from bridge_algos.offline.step_counts import step_counts
-    from bridge_algos.trajectories import load_trajectories
-    from bridge_theory.from_data import bounds_from_counts, contradicted_states
+    from bridge_theory.from_data import contradicted_states
 
     world = load_mdp(mdp)
     s, a, h = world.n_states, world.n_actions, world.horizon
-    data = load_trajectories(demos, s, a, h)
-    counts = step_counts(data, s, a)
-    clone = clone_deterministic(counts.pairs, tie_break="first")
-    mass = leaving_mass(counts, world.initial, clone, empty_row).upper
-    values = bounds_from_counts(counts.visits, counts.transitions, delta=delta, mass=mass)
+    data = load_demonstrations(demos, world)
+    values = bounds_from_demonstrations(world, data, delta=delta, empty_row=empty_row)
     note = f"From {len(data)} demonstrations, with delta = {delta} in each bound."
-    contradicted = contradicted_states(counts.visits).tolist()
+    if "offline_radius_mass" in values:
+        rows = {"uniform": "uniform", "self_loop": "self-loops"}[empty_row]
+        note += f" In offline_radius_mass rows without data are {rows}, and the clone takes the first action there."
+    contradicted = contradicted_states(step_counts(data, s, a).visits).tolist()
     if contradicted:
         note += (
             f" They refute a deterministic stationary expert, for {len(contradicted)} of {s} states show more than one "

@@ -107,11 +107,17 @@ class Slopes:
     def log1p(self, x: Any) -> Slope:
         return lifted(x).through(lambda v: v.log1p(), lambda v: 1 / (1 + v))
 
+    def log1p_ratio(self, x: Any, y: Any) -> Slope:
+        return self.log1p(x) / self.log1p(y)
+
     def exp(self, x: Any) -> Slope:
         return lifted(x).through(_exp, _exp)
 
     def expm1(self, x: Any) -> Slope:
         return lifted(x).through(lambda v: v.expm1(), _exp)
+
+    def one_minus_root(self, x: Any, degree: Any) -> Slope:
+        return -self.expm1(self.log(x) / degree)
 
     def cosh(self, x: Any) -> Slope:
         return lifted(x).through(lambda v: v.cosh(), lambda v: v.sinh())

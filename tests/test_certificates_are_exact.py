@@ -195,6 +195,30 @@ def test_a_wrong_checker_is_noticed(mutant: str, monkeypatch: pytest.MonkeyPatch
     assert any(complaints(case) for case in CASES)
 
 
+def closed(step: np.ndarray, hindsights: np.ndarray) -> np.ndarray:
+    """All that follows from the bounds, one consequence after the other until there is nothing new."""
+    best = hindsights.copy()
+    for _ in range(2 * len(step)):
+        before = np.concatenate([[0.0], best[:-1]])
+        best = np.minimum(best, before + step)
+        best = np.minimum(best, np.concatenate([best[1:], [np.inf]]))
+    return best
+
+
+def test_the_best_bound_is_all_that_follows_from_the_others(rng: np.random.Generator) -> None:
+    """A later bound holds for an earlier round, and an earlier one with the rounds between for a later."""
+    helped = {"earlier": 0, "later": 0}
+    for _ in range(50):
+        steps = {name: rng.exponential(size=8) for name in ("trivial", "ucb", "width")}
+        hindsights = np.where(rng.random(8) < 0.5, 4 * rng.exponential(size=8), np.inf)
+        step, found = np.min(list(steps.values()), axis=0), regret.best_bounds(steps, hindsights)
+        np.testing.assert_allclose(found, closed(step, hindsights), rtol=1e-12)
+        assert (found >= closed(step, hindsights)).all()
+        helped["earlier"] += bool((found[:-1] == found[1:]).any())
+        helped["later"] += bool((found < np.minimum(np.cumsum(step), hindsights)).any())
+    assert min(helped.values()) > 5
+
+
 def exact_features(
     kernel: list[list[list[Fraction]]], start: list[Fraction], policy: Any, table: Any
 ) -> list[Fraction]:

@@ -198,7 +198,7 @@ def test_demonstrations_that_the_environment_excludes_are_said_to_be(tmp_path: P
         save_trajectories(demos, sample_trajectories(mdp, policy, 5, np.random.default_rng(0)))
         arguments = ["run", "gridworld-text", *FAST, "--algorithms", "bc", "--demos", str(demos)]
         assert main([*arguments, "--out", str(tmp_path / name)]) == 0
-        assert ("transitions that the environment excludes" in capsys.readouterr().out) == excluded
+        assert ("the environment excludes the demonstrations" in capsys.readouterr().out) == excluded
 
 
 def test_an_mdp_file_takes_no_options(tmp_path: Path, capsys) -> None:

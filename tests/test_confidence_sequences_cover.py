@@ -37,6 +37,17 @@ def test_a_bet_that_sees_its_own_outcome_is_rejected(monkeypatch):
     assert max(share_missed(lower, upper, mean) for mean in np.linspace(0.01, 0.99, 99)) > 0.4
 
 
+def test_bets_do_not_depend_on_the_observation_that_they_are_on():
+    """Nor on later ones: each is made from what came before alone, and it does depend on that."""
+    x = np.random.default_rng(2).random((30, 4))
+    bets = sequence._bets(x, 0.05)
+    for i in range(30):
+        for other in (0.0, 1.0):
+            changed = sequence._bets(np.concatenate([x[:i], np.full((30 - i, 4), other)]), 0.05)
+            assert (changed[: i + 1] == bets[: i + 1]).all()
+            assert (changed[i + 1 :] != bets[i + 1 :]).any() or i == 29
+
+
 def test_adding_observations_only_shrinks_the_interval():
     sizes = range(1, LENGTH + 1)
     ends = [confidence_sequence(EVERY_SEQUENCE[:m], 0.0, 1.0, 0.1) for m in sizes]

@@ -1,11 +1,13 @@
 """``bridge-rl verify`` accepts every honest log, says what it cannot promise, and shares no code with the algorithm."""
 
 import ast
+import dataclasses
 import json
 import subprocess
 import sys
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,11 +17,15 @@ from bridge_algos.mdp import TabularMDP
 from bridge_algos.mdp_file import save_mdp
 from bridge_algos.run.config import preset
 from bridge_algos.run.log import logged_seed
+from bridge_algos.run.log_file import RunLog
 from bridge_algos.run.runner import run
 from bridge_algos.run.world import build_world
 from bridge_algos.trajectories import sample_trajectories
 from experiments.cli import main
 from proofs_checks.verify import Certificate, verify
+from proofs_checks.verify.certificate import shared, table
+from proofs_checks.verify.comparator import BEST, SEARCHED, comparator
+from proofs_checks.verify.facts import facts
 
 ROOT = Path(__file__).parent.parent
 
@@ -71,6 +77,88 @@ def test_only_the_trivial_bound_is_left_without_bradley_terry_answers() -> None:
         assert any("Bradley-Terry" in note for note in item.notes)
 
 
+@pytest.mark.parametrize(
+    ("changes", "algorithms", "note"),
+    [
+        ({"oracle": "returns"}, ("bridge", "bridge-known", "pbrl"), "the answers come from the oracle 'returns'"),
+        ({"slope": 2.0}, ("bridge", "bridge-known", "pbrl"), "the fitted slope is 2"),
+        ({"noise": 0.2, "radius": 0.9}, ("bridge",), "noise changed the recorded actions"),
+        ({"delta": 0.5}, ("bridge", "pbrl"), "add up to 1 or more"),
+    ],
+)
+def test_each_hypothesis_alone_leaves_the_trivial_bound(
+    changes: dict[str, Any], algorithms: tuple[str, ...], note: str
+) -> None:
+    """To those whose bounds need it, and to no other."""
+    config = preset("theory", "starmdp").but(**THEORY | {"rounds": 2}, **changes)
+    for item in verify(logged_seed(config, build_world(config), 0)[1]):
+        withheld = item.algorithm in algorithms
+        assert item.certified
+        assert np.isinf(item.bounds["ucb"]).all() == np.isinf(item.bounds["hindsight"]).all() == withheld
+        assert (item.bounds["best"] == item.bounds["trivial"]).all() or not withheld
+        assert (item.failure == 0) == withheld
+        assert [text.startswith("only the trivial bound is certified: ") and note in text for text in item.notes] == (
+            [True] if withheld else []
+        )
+        assert any("Bradley-Terry model with w*" in text for text in item.assumptions) != withheld
+
+
+def test_a_search_of_all_policies_needs_no_demonstrations() -> None:
+    reasons = {item.algorithm: item.comparator for item in certificates("starmdp, theory")}
+    assert reasons["pbrl"].policy == reasons["bridge"].policy == BEST
+    assert reasons["pbrl"].reason == "it is searched because all policies are"
+    assert not reasons["pbrl"].assumed
+    config = preset("theory", "starmdp").but(rounds=1, algorithms=("bridge-known",), radius="repaired")
+    given = facts(logged_seed(config, build_world(config), 0)[1], "bridge-known")
+    assert comparator(given).policy == BEST
+    doubled = given.policies.copy()
+    doubled[0] = doubled[1]  # as many as there are, but not all
+    assert comparator(dataclasses.replace(given, policies=doubled)).policy == SEARCHED
+
+
+def test_demonstrations_are_assumed_of_who_counts_them_alone() -> None:
+    for item in certificates("starmdp, theory"):
+        (sentence,) = (text for text in item.assumptions if "fresh, independent draws" in text)
+        assert ("demonstrations" in sentence) == (item.algorithm == "bridge")
+
+
+def test_sentences_belong_to_the_certificates_that_have_them() -> None:
+    one, two = (certificates("starmdp, theory", seed)[0] for seed in (0, 1))
+    other = dataclasses.replace(two, assumptions=(*two.assumptions, "the moon is made of cheese"))
+    third = dataclasses.replace(one, seed=2, assumptions=other.assumptions)
+    refused = dataclasses.replace(one, seed=3, certified=False, assumptions=("nothing",), reasons=("it is forged",))
+    shown = table([one, other, third, refused])
+    assert "assuming (bridge seeds 1, 2): the moon is made of cheese" in shown
+    assert "assuming (bridge): the utility of a policy" in shown
+    assert "nothing" not in table([refused])
+    assert "assuming (bridge seed 1): the moon" in table([one, other, certificates("starmdp, theory")[1]])
+    assert shared([other])[-1][2] == "bridge"
+
+
+CHANGED: dict[str, Any] = {
+    "noise": 0.1,
+    "demonstrations": "elsewhere.npz",
+    "expert": "discounted-lp",
+}
+
+
+def test_each_entry_that_decides_the_comparator_decides_it_alone() -> None:
+    config = preset("theory", "starmdp").but(rounds=2, algorithms=("bridge",))
+    log = logged_seed(config, build_world(config), 0)[1]
+    (item,) = verify(log)
+    assert item.comparator.policy == BEST
+    assert any("come from a best stationary deterministic policy" in text for text in item.assumptions)
+    for name, value in CHANGED.items():
+        header = log.header | {"configuration": log.header["configuration"] | {name: value}}
+        (other,) = verify(RunLog(header, log.arrays))
+        assert other.certified
+        assert other.comparator.policy == SEARCHED
+        assert "best stationary deterministic" not in other.words()
+    config = config.but(embedding="identity_short", oracle="returns")
+    (item,) = verify(logged_seed(config, build_world(config), 0)[1])
+    assert item.comparator.policy == SEARCHED  # the reward is not linear in what the utility is
+
+
 def test_a_hand_set_multiplier_is_said_to_have_no_guarantee() -> None:
     for item in certificates("starmdp, hand-set"):
         assert any("hand-set" in note for note in item.notes)
@@ -115,12 +203,27 @@ def test_demonstrations_of_small_integers_are_those_of_large_ones(tmp_path: Path
     assert item.certified, item.words()
 
 
+def test_demonstrations_from_elsewhere_leave_bounds_to_those_who_do_not_count_them(tmp_path: Path) -> None:
+    """In StarMDP nobody stays in state 1: counts of such steps are of no draws from it."""
+    states, actions = np.array([[0, 1, 1, 1, 1, 2, 2, 2]]), np.zeros((1, 8), dtype=int)
+    np.savez(tmp_path / "demos.npz", states=states, actions=actions)
+    config = preset("theory", "starmdp").but(**THEORY | {"rounds": 2}, demonstrations=str(tmp_path / "demos.npz"))
+    for item in verify(logged_seed(config, build_world(config), 0)[1]):
+        assert item.certified, item.words()
+        assert np.isinf(item.bounds["ucb"]).all() == (item.algorithm == "bridge")
+        assert any("that the environment excludes" in note for note in item.notes) == (item.algorithm == "bridge")
+
+
 @pytest.mark.parametrize("confidence", ["fixed", "stated", "repaired"])
 def test_one_state_and_one_action_are_certified(confidence: str, tmp_path: Path) -> None:
     save_mdp(tmp_path / "one.npz", TabularMDP(np.ones((1, 1, 1)), np.ones(1), 1, np.ones(1)))
     config = preset("theory", str(tmp_path / "one.npz")).but(**{**THEORY, "rounds": 2, "confidence": confidence})
-    for item in verify(logged_seed(config, build_world(config), 0)[1]):
+    log = logged_seed(config, build_world(config), 0)[1]
+    for item in verify(log):
         assert item.certified, item.words()
+        assert item.unshown[f'environment = "{tmp_path}/one.npz"'] == ""  # whose dynamics nothing shows
+    header = log.header | {"configuration": log.header["configuration"] | {"environment_options": {"horizon": 1}}}
+    assert not any(item.certified for item in verify(RunLog(header, log.arrays)))
 
 
 ALLOWED = ("bridge_algos.run.log_file", "bridge_algos.envs.registry")

@@ -119,3 +119,22 @@ def test_wrong_shapes_and_unknown_names_are_refused(dynamics: Dynamics) -> None:
         total_occupancies(dynamics, np.zeros((2, S + 1), dtype=np.int64))
     with pytest.raises(InputError, match="expected one of identity_long"):
         make_embedding("identity", S, A, H)
+
+
+@pytest.mark.parametrize("name", EMBEDDINGS)
+def test_built_in_features_are_nonnegative_so_that_two_differ_by_at_most_sqrt_two_bounds(name: str) -> None:
+    # what kappa_nonnegative assumes; every trajectory of the smallest problem with two states and actions
+    embedding = make_embedding(name, 2, 2, 3)
+    paths = np.array(list(np.ndindex(*(2,) * 6))).reshape(-1, 3, 2)
+    features = embedding.of_trajectories(Trajectories(paths[..., 0], paths[..., 1]))
+    assert features.min() == 0
+    distances = np.linalg.norm(features[:, None] - features[None], axis=2)
+    assert distances.max() <= np.sqrt(2) * embedding.bound * (1 + 1e-12)
+
+
+def test_features_of_the_users_may_differ_by_twice_their_bound() -> None:
+    weights = np.zeros((1, 2, 2, 1))
+    weights[0, 0], weights[0, 1] = 1, -1
+    embedding = linear_embedding("opposite", weights)
+    features = embedding.of_trajectories(Trajectories(np.array([[0], [1]]), np.array([[0], [0]])))
+    assert np.ptp(features) == 2 * embedding.bound  # so that kappa_nonnegative would be too small

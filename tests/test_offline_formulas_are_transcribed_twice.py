@@ -128,7 +128,7 @@ BY_HAND: dict[str, list[tuple[dict[str, Any], float]]] = {
     "row_error_at_step": [({}, R * (2 - R))],
     "row_error_summed": [({}, R * (1 + (H - 1) * (2 - R)))],
     "trajectory_error_stated": [({"C": 2.5}, H * 2.5 * R2)],
-    "trajectory_error_one_sided": [({}, 3 * sum(q * h for q, h in zip(rates, errors, strict=True)))],
+    "trajectory_error_one_sided": [({}, 2.97 * sum(q * h for q, h in zip(rates, errors, strict=True)))],
     "trajectory_error_symmetrised": [
         ({}, sum((q + p) * h for q, p, h in zip(rates, hats, errors, strict=True)) / 2),
     ],

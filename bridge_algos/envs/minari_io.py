@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from bridge_algos.demonstrations import excluded
 from bridge_algos.mdp import TabularMDP
 from bridge_algos.trajectories import Trajectories
 from bridge_theory.errors import InputError
@@ -104,7 +105,8 @@ def save_minari_dataset(
     Args:
         dataset_id: ``(namespace/)name-v0``, with a version; no dataset of that id may exist.
         trajectories: checked against the MDP.
-        mdp: gives the spaces, ``Discrete(S)`` and ``Discrete(A)``, and the description.
+        mdp: gives the spaces, ``Discrete(S)`` and ``Discrete(A)``, and the description, which says where the
+            trajectories are none that it can produce.
         final_states: as in :func:`episodes_from_trajectories`.
         metadata: further arguments of ``minari.create_dataset_from_buffers``, such as ``author`` or ``code_permalink``.
 
@@ -116,10 +118,12 @@ def save_minari_dataset(
     """
     from gymnasium.spaces import Discrete
 
-    trajectories.checked(mdp.n_states, mdp.n_actions)
+    trajectories.checked(mdp.n_states, mdp.n_actions, mdp.horizon)
+    fault = excluded(mdp, trajectories)
+    kind = f"Trajectories of {mdp.name}" if fault is None else f"Trajectories that {mdp.name} excludes ({fault})"
     last = "repeats s_H" if final_states is None else "is the state after the last action"
     defaults = {
-        "description": f"Trajectories of {mdp.name}; the last observation of an episode {last}.",
+        "description": f"{kind}; the last observation of an episode {last}.",
         "observation_space": Discrete(mdp.n_states),
         "action_space": Discrete(mdp.n_actions),
     }

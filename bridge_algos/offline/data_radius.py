@@ -17,8 +17,7 @@ from bridge_algos.mdp import Dynamics, FloatArray
 from bridge_algos.offline.step_counts import StepCounts
 from bridge_algos.offline.transitions import EmptyRow
 from bridge_algos.shapes import Policy
-from bridge_theory.arithmetic.balls import BALLS
-from bridge_theory.arithmetic.flint_balls import Ball
+from bridge_theory.arithmetic.flint_balls import Ball, ball
 from bridge_theory.enclosure import Enclosure, enclose
 
 
@@ -45,15 +44,15 @@ def leaving_mass(counts: StepCounts, initial: FloatArray, clone: Policy, empty_r
     rows = {s: _exact_row(counts.pooled[s, clone[s]].tolist(), s, empty_row) for s in range(n_states) if not leaves[s]}
 
     def mass() -> Ball:
-        present, met = {s: BALLS.number(p) for s, p in law}, BALLS.number(0)
+        present, met = {s: ball(p) for s, p in law}, ball(0)
         for step in range(len(counts.visits)):
-            met += sum((p for s, p in present.items() if leaves[s]), start=BALLS.number(0))
+            met += sum((p for s, p in present.items() if leaves[s]), start=ball(0))
             if step + 1 == len(counts.visits):
                 break
             arriving: dict[int, Ball] = {}
             for s, p in present.items():
                 for target, chance in rows.get(s, ()):
-                    arriving[target] = arriving.get(target, BALLS.number(0)) + p * BALLS.number(chance)
+                    arriving[target] = arriving.get(target, ball(0)) + p * ball(chance)
             present = arriving
         return met
 

@@ -8,11 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
+from bridge_algos.demonstrations import excluded
 from bridge_algos.embeddings import Embedding, make_embedding, return_embedding
 from bridge_algos.envs.registry import make_mdp
 from bridge_algos.expert.experts import Expert, make_expert
 from bridge_algos.mdp import FloatArray, IntArray, TabularMDP
 from bridge_algos.mdp_file import load_mdp
+from bridge_algos.offline.cloning import action_counts
 from bridge_algos.offline.radius import named_radii
 from bridge_algos.online.oracles import BradleyTerryOracle, Oracle, ReturnOracle
 from bridge_algos.run.config import RADII, RunConfig
@@ -23,7 +25,9 @@ MOST_STEPS = 10**8
 """Recorded steps that fit into memory."""
 
 EXPELLED = "noisy demonstrations can expel the expert from the offline set"
-FOREIGN = "demonstrations pass transitions that the environment excludes: noisy actions, or from another environment"
+FOREIGN = "the environment excludes the demonstrations (noisy actions, or from another environment)"
+CHANGING = "the offline radius is proved for an expert whose action in a state does not depend on the step"
+CONTRADICTORY = "the demonstrations refute the deterministic stationary expert that the offline radius is proved for"
 HAND_SET = "nothing guarantees that an offline set of hand-set radius contains the best policy"
 
 
@@ -87,7 +91,8 @@ def with_digests(config: RunConfig) -> RunConfig:
 
 def caveats(config: RunConfig, world: World) -> list[str]:
     """What of a run's settings takes the theory's guarantees away; empty when they hold for its confidence sets."""
-    foreign = [] if _possible(world.mdp, world.demonstrations) else [FOREIGN]
+    fault = None if world.demonstrations is None else excluded(world.mdp, world.demonstrations)
+    foreign = [] if fault is None else [f"{FOREIGN}: {fault}"]
     if config.confidence == "fixed":
         return [*foreign, "gamma and bonuses are hand-set numbers, without a guarantee"]
     oracle = build_oracle(config, world)
@@ -99,17 +104,23 @@ def caveats(config: RunConfig, world: World) -> list[str]:
         "the stated multiplier and bonuses are not proved": config.confidence == "stated",
         EXPELLED: config.noise > 0,
         HAND_SET: config.radius not in RADII,
+        CHANGING: config.radius in RADII and world.demonstrations is None and _changes(world.expert.policy),
+        CONTRADICTORY: config.radius in RADII and _contradictory(world),
     }
     return foreign + [reason for reason, holds in broken.items() if holds]
 
 
-def _possible(mdp: TabularMDP, demonstrations: Trajectories | None) -> bool:
-    """Whether an environment can have led along the states of demonstrations."""
-    if demonstrations is None:
-        return True
-    states, actions = demonstrations.states, demonstrations.actions
-    steps = mdp.transitions[states[:, :-1], actions[:, :-1], states[:, 1:]]
-    return bool((mdp.initial[states[:, 0]] > 0).all() and (steps > 0).all())
+def _changes(policy: IntArray) -> bool:
+    """Whether a time-dependent policy is not the same at every step."""
+    return policy.ndim == 2 and bool((policy != policy[0]).any())
+
+
+def _contradictory(world: World) -> bool:
+    """Whether the demonstrations of a file show more than one action in some state."""
+    if world.demonstrations is None:
+        return False
+    counts = action_counts(world.demonstrations, world.mdp.n_states, world.mdp.n_actions)
+    return bool(((counts > 0).sum(axis=1) > 1).any())
 
 
 def digest(path: str) -> str:

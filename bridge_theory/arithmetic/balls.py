@@ -14,67 +14,83 @@ from bridge_theory.arithmetic import flint_balls
 from bridge_theory.arithmetic.flint_balls import Ball, as_ball
 from bridge_theory.arithmetic.protocol import FloatArray, Value
 
+_LONGEST_EXACT_SUM = 64  # distinct cells
 _LONGEST_PRODUCT = 512  # below it a product is cheaper than three log-gammas, and far tighter on wide balls
 
 
 class Balls:
     """Operations on ``arb`` balls at the working precision; array-valued arguments are tuples of exact numbers.
 
-    Values may also be exact rationals, which ``+ - * /`` and ``ceil`` keep exact.
+    Values may also be exact rationals: wherever the result is rational for a reason that is known, it stays exact, so
+    that a bound that attains its target is recognised.
     """
 
     def number(self, value: int | Fraction) -> Value:
-        return flint_balls.ball(value)
+        return flint_balls.rational(value)
 
     def power(self, x: Value, exponent: Value) -> Value:
-        return as_ball(x) ** as_ball(exponent)
+        exact = flint_balls.exact_power(x, exponent)
+        return as_ball(x) ** as_ball(exponent) if exact is None else exact
 
     def sqrt(self, x: Value) -> Value:
-        return as_ball(x).sqrt()
+        exact = flint_balls.exact_root(x, 2)
+        return as_ball(x).sqrt() if exact is None else exact
 
     def log(self, x: Value) -> Value:
-        return as_ball(x).log()
+        return self.number(0) if _is(x, 1) else as_ball(x).log()
 
     def log1p(self, x: Value) -> Value:
-        return as_ball(x).log1p()
+        return self.number(0) if _is(x, 0) else as_ball(x).log1p()
+
+    def log1p_ratio(self, x: Value, y: Value) -> Value:
+        exact = flint_balls.as_fraction(x)
+        if exact is not None and exact == flint_balls.as_fraction(y):
+            return self.number(1)
+        return self.log1p(x) / self.log1p(y)
 
     def exp(self, x: Value) -> Value:
-        return as_ball(x).exp()
+        return self.number(1) if _is(x, 0) else as_ball(x).exp()
 
     def expm1(self, x: Value) -> Value:
-        return as_ball(x).expm1()
+        return self.number(0) if _is(x, 0) else as_ball(x).expm1()
+
+    def one_minus_root(self, x: Value, degree: Value) -> Value:
+        exact = flint_balls.exact_root(x, degree)
+        return -self.expm1(self.log(x) / degree) if exact is None else 1 - exact
 
     def cosh(self, x: Value) -> Value:
-        return as_ball(x).cosh()
+        return self.number(1) if _is(x, 0) else as_ball(x).cosh()
 
     def sin(self, x: Value) -> Value:
-        return as_ball(x).sin()
+        return self.number(0) if _is(x, 0) else as_ball(x).sin()
 
     def arcsin(self, x: Value) -> Value:
-        return as_ball(x).asin()
+        return self.number(0) if _is(x, 0) else as_ball(x).asin()
 
     def arccos(self, x: Value) -> Value:
-        return as_ball(x).acos()
+        return self.number(0) if _is(x, 1) else as_ball(x).acos()
 
     def pi(self) -> Value:
         return flint_balls.pi_ball()
 
     def min(self, *values: Value) -> Value:
-        return reduce(lambda x, y: x.min(y), map(as_ball, values))
+        return reduce(_smaller, values)
 
     def max(self, *values: Value) -> Value:
-        return reduce(lambda x, y: x.max(y), map(as_ball, values))
+        return reduce(_larger, values)
 
     def ceil(self, x: Value) -> Value:
         exact = flint_balls.as_fraction(x)
         return x.ceil() if exact is None else flint_balls.rational(ceil(exact))
 
     def log_binomial(self, top: Value, bottom: Value) -> Value:
+        if _is(bottom, 0) or _is(top - bottom, 0):
+            return self.number(0)
         top, bottom = as_ball(top), as_ball(bottom)
         count = flint_balls.exact_integer(bottom)
         if count is None or count > _LONGEST_PRODUCT:
             return (top + 1).lgamma() - (bottom + 1).lgamma() - (top - bottom + 1).lgamma()
-        product = self.number(1)
+        product = flint_balls.ball(1)
         for i in range(1, count + 1):
             product *= (top - bottom + i) / i
         return product.log()
@@ -89,18 +105,34 @@ class Balls:
     def sum(self, summand: Callable[..., Value], *arrays: Value) -> Value:
         # equal cells are summed once: count tables have few distinct values
         cells = Counter(zip(*arrays, strict=True))
-        terms = (count * summand(*map(self.number, cell)) for cell, count in cells.items())
+        # a sum of many exact fractions would have a denominator of all of them
+        number = self.number if len(cells) <= _LONGEST_EXACT_SUM else flint_balls.ball
+        terms = (count * summand(*map(number, cell)) for cell, count in cells.items())
         return sum(terms, start=self.number(0))
 
     def minimum_over_integers(
         self, objective: Callable[[Value], Value], near: Callable[..., FloatArray], *arguments: Value
     ) -> Value:
         with np.errstate(all="ignore"):  # the start proves nothing: where floats overflow, any will do
-            start = float(near(*(np.float64(flint_balls.midpoint(as_ball(x))) for x in arguments)))
+            start = float(near(*(np.float64(flint_balls.midpoint(x)) for x in arguments)))
         try:
-            return _IntegerMinimum(objective, self.number).enclose(max(1, round(start)) if isfinite(start) else 1)
+            return _IntegerMinimum(objective, flint_balls.ball).enclose(max(1, round(start)) if isfinite(start) else 1)
         except _UndecidedError:
             return flint_balls.everything()  # the caller raises the precision
+
+
+def _is(x: Value, constant: int) -> bool:
+    exact = flint_balls.as_fraction(x)
+    return exact is not None and exact == constant
+
+
+def _smaller(x: Value, y: Value) -> Value:
+    # a candidate that is certainly smallest keeps what is known of it
+    return x if x <= y else y if y <= x else as_ball(x).min(as_ball(y))
+
+
+def _larger(x: Value, y: Value) -> Value:
+    return x if x >= y else y if y >= x else as_ball(x).max(as_ball(y))
 
 
 class _UndecidedError(Exception):

@@ -30,11 +30,17 @@ class Floats:
     def log1p(self, x: Value) -> Value:
         return np.log1p(x)
 
+    def log1p_ratio(self, x: Value, y: Value) -> Value:
+        return np.log1p(x) / np.log1p(y)
+
     def exp(self, x: Value) -> Value:
         return np.exp(x)
 
     def expm1(self, x: Value) -> Value:
         return np.expm1(x)
+
+    def one_minus_root(self, x: Value, degree: Value) -> Value:
+        return -np.expm1(np.log(x) / degree)
 
     def cosh(self, x: Value) -> Value:
         return np.cosh(x)

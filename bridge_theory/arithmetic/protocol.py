@@ -34,11 +34,17 @@ class Arithmetic(Protocol):
     def log1p(self, x: Value) -> Value:
         """``log(1 + x)`` without cancellation near 0."""
 
+    def log1p_ratio(self, x: Value, y: Value) -> Value:
+        """``log(1 + x) / log(1 + y)`` for ``x >= 0`` and ``y > 0``; exactly 1 where the two are known to be equal."""
+
     def exp(self, x: Value) -> Value:
         """Exponential."""
 
     def expm1(self, x: Value) -> Value:
         """``exp(x) - 1`` without cancellation near 0."""
+
+    def one_minus_root(self, x: Value, degree: Value) -> Value:
+        """``1 - x ** (1 / degree)`` without cancellation near 0, for ``0 < x <= 1`` and integers ``degree >= 1``."""
 
     def cosh(self, x: Value) -> Value:
         """Hyperbolic cosine."""

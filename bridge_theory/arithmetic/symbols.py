@@ -77,11 +77,17 @@ class Symbols:
     def log1p(self, x: Value) -> Value:
         return sympy.log(1 + x)
 
+    def log1p_ratio(self, x: Value, y: Value) -> Value:
+        return self.log1p(x) / self.log1p(y)
+
     def exp(self, x: Value) -> Value:
         return sympy.exp(x)
 
     def expm1(self, x: Value) -> Value:
         return sympy.exp(x) - 1
+
+    def one_minus_root(self, x: Value, degree: Value) -> Value:
+        return 1 - x ** (self.number(1) / degree)
 
     def cosh(self, x: Value) -> Value:
         return sympy.cosh(x)

@@ -12,15 +12,15 @@ from bridge_theory.bound import Bound
 from bridge_theory.catalog import FORMULAS, by_label
 from bridge_theory.cli.explain import explain
 from bridge_theory.cli.options import Parser, add_parameters, setting_from
-from bridge_theory.cli.rows import Row, additions, missing_from, row_for
+from bridge_theory.cli.rows import Row, additions, failure_words, filled_in, row_for
 from bridge_theory.cli.sweep import parse_sweep, run_sweep
 from bridge_theory.cli.table import text_table
+from bridge_theory.defaults import filled_in_words, missing
 from bridge_theory.errors import InputError
-from bridge_theory.parameters import PROBABILITY_OPEN, parameter, show
-from bridge_theory.setting import Setting
+from bridge_theory.parameters import show
 from bridge_theory.value import BoundValue
 
-_HEADER = ("bound", "value", "enclosure", "trivial", "vacuous", "status", "source")
+_HEADER = ("bound", "value", "enclosure", "may fail with", "trivial", "vacuous", "status", "source")
 _GROUPS = ("offline", "online", "regret")
 
 
@@ -31,8 +31,8 @@ def main(argv: list[str], data: Sequence[BoundValue] = ()) -> int:
 
     >>> main(["--S", "5", "--A", "4", "--n", "10000", "--delta", "0.05", "--only", "lem:offline_CI_under_known_dyn"])
     offline
-      bound                 value     enclosure ...
-      offline_radius_known  0.114657  [0.1146563..., 0.1146563...]  1        no       stated
+      bound                 value     enclosure                     may fail with  trivial  vacuous  status  source
+      offline_radius_known  0.114657  [0.1146563..., 0.1146563...]  0.05           1        no       stated
       lem:offline_CI_under_known_dyn
     0
     """
@@ -47,7 +47,7 @@ def main(argv: list[str], data: Sequence[BoundValue] = ()) -> int:
         print(run_sweep(parse_sweep(arguments.sweep), setting, bounds, Path(arguments.figure)))
         return 0
     formulas = chosen or list(FORMULAS.values())
-    complete = [formula for formula in formulas if not missing_from(formula, setting)]
+    complete = [formula for formula in formulas if not missing(formula, setting)]
     rows = [row_for(formula, setting) for formula in complete] + [Row(value.bound, value) for value in data]
     rest = [formula for formula in formulas if formula not in complete]
     if arguments.json:
@@ -56,7 +56,7 @@ def main(argv: list[str], data: Sequence[BoundValue] = ()) -> int:
         print(_latex(rows))
     else:
         left_out = additions(rest, setting, everything=arguments.left_out)
-        print(_report(rows, left_out, setting, of_data={value.bound.name for value in data}))
+        print(_report(rows, left_out, of_data={value.bound.name for value in data}))
     return 0
 
 
@@ -76,16 +76,16 @@ def _parser() -> Parser:
     return parser
 
 
-def _report(rows: list[Row], left_out: list[str], setting: Setting, of_data: set[str]) -> str:
+def _report(rows: list[Row], left_out: list[str], of_data: set[str]) -> str:
     blocks = []
     for group in (*_GROUPS, "from the demonstrations"):
         members = [row for row in rows if (row.formula.name in of_data) == (group not in _GROUPS)]
         members = [row for row in members if group not in _GROUPS or row.formula.group == group]
         if members:
             blocks.append(f"{group}\n" + text_table(_HEADER, [_cells(row) for row in members]))
-    filled = _filled_in(rows, setting)
+    filled = filled_in((row.formula.name, row.filled) for row in rows)
     if filled:
-        blocks.append(f"filled in: {filled}")
+        blocks.append("\n".join(["filled in, as they were not given", *(f"  {line}" for line in filled)]))
     if left_out:
         blocks.append("\n".join(["left out", *(f"  {line}" for line in left_out)]))
     return "\n\n".join(blocks)
@@ -94,25 +94,14 @@ def _report(rows: list[Row], left_out: list[str], setting: Setting, of_data: set
 def _cells(row: Row) -> tuple[str, ...]:
     ends = (row.formula.status, row.formula.source)
     if row.estimate is not None:
-        return (row.formula.name, f"~ {row.estimate:.6g}", "a rate: for scaling only", "-", "-", *ends)
+        return (row.formula.name, f"~ {row.estimate:.6g}", "a rate: for scaling only", "-", "-", "-", *ends)
     if row.value is None:
-        return (row.formula.name, "undefined", row.problem, "-", "-", *ends)
+        return (row.formula.name, "undefined", row.problem, "-", "-", "-", *ends)
     value = row.value
     trivial = "-" if value.trivial is None else value.trivial.at_most
     vacuous = {None: "-", True: "vacuous", False: "no"}[value.vacuous]
-    return (row.formula.name, value.enclosure.at_most, str(value.enclosure), trivial, vacuous, *ends)
-
-
-def _filled_in(rows: list[Row], setting: Setting) -> str:
-    filled: dict[str, str] = {}
-    for row in rows:
-        if row.value is not None:
-            filled |= {name: show(value) for name, value in row.value.parameters.items() if name not in setting}
-    shared = [name for name in filled if parameter(name).domain == PROBABILITY_OPEN]
-    sentences = [f"{name} = {value}" for name, value in filled.items() if name not in shared]
-    if shared:
-        sentences.append(f"{', '.join(shared)} = equal parts of delta in each bound")
-    return "; ".join(sentences)
+    enclosure, failure = str(value.enclosure), failure_words(value)
+    return (row.formula.name, value.shown, enclosure, failure, trivial, vacuous, *ends)
 
 
 def _record(row: Row) -> dict[str, Any]:
@@ -122,6 +111,7 @@ def _record(row: Row) -> dict[str, Any]:
         "group": row.formula.group,
         "status": row.formula.status,
         "source": row.formula.source,
+        "filled_in": {item.name: item.assumes for item in row.filled},
     }
     if row.value is None:
         return record | {"estimate": row.estimate, "problem": row.problem or None}
@@ -131,6 +121,8 @@ def _record(row: Row) -> dict[str, Any]:
         "upper": _finite(value.enclosure.upper),
         "trivial": None if value.trivial is None else _finite(value.trivial.upper),
         "vacuous": value.vacuous,
+        "failure": [_finite(value.failure.lower), _finite(value.failure.upper)],
+        "certified": value.certified,
         "parameters": {name: show(number) for name, number in value.parameters.items()},
         "terms": {name: [_finite(term.lower), _finite(term.upper)] for name, term in value.terms.items()},
         "words": value.words,
@@ -149,11 +141,15 @@ def _latex(rows: list[Row]) -> str:
         )
     lines = []
     for row in rows:
+        status, comment = row.formula.status, row.formula.name + filled_in_words(row.filled)
         if row.value:
-            shown = rf" \leq {row.value.enclosure.at_most}" if math.isfinite(row.value.enclosure.upper) else ""
+            sign = r"\geq" if row.value.bound.from_below else r"\leq"
+            shown = f" {sign} {row.value.shown}" if math.isfinite(row.value.enclosure.upper) else ""
+            failing = "" if row.value.certified else ", not certified"
         else:
             shown = "" if row.estimate is None else rf" \approx {row.estimate:.6g}"
-        lines.append(rf"  {row.formula.latex()}{shown} &\quad\text{{{row.formula.status}}} % {row.formula.name}")
+            failing = ""
+        lines.append(rf"  {row.formula.latex()}{shown} &\quad\text{{{status}{failing}}} % {comment}")
     return "\n".join([r"\begin{align*}", " \\\\\n".join(_break(line) for line in lines), r"\end{align*}"])
 
 

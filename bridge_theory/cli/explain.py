@@ -8,8 +8,9 @@ import textwrap
 
 from bridge_theory.bound import Bound
 from bridge_theory.cli.options import flag
-from bridge_theory.cli.rows import described_parameters, missing_from
+from bridge_theory.cli.rows import described_parameters, failure_words
 from bridge_theory.cli.table import text_table
+from bridge_theory.defaults import missing
 from bridge_theory.formula import Formula
 from bridge_theory.setting import Setting
 from bridge_theory.value import BoundValue
@@ -22,9 +23,9 @@ def explain(formula: Formula, setting: Setting) -> str:
     parts += [_listed("Assumptions", formula.assumptions), _listed("Parameters", described_parameters(formula))]
     directions = [f"{move.direction} in {name}: {move.because}" for name, move in formula.monotone.items()]
     parts.append(_listed("Directions", directions))
-    missing = missing_from(formula, setting)
-    if missing:
-        wanted = " ".join(map(flag, missing))
+    lacking = missing(formula, setting)
+    if lacking:
+        wanted = " ".join(map(flag, lacking))
         parts.append(f"Its value also needs {wanted}.")
     elif isinstance(formula, Bound):
         parts.append(_valued(formula.value(setting)))
@@ -45,10 +46,11 @@ def _valued(value: BoundValue) -> str:
     lines = [f"Value: {value.enclosure}"]
     if value.trivial is not None:
         lines.append(f"Trivial value: {value.trivial.at_most}")
+    lines.append(f"May fail with probability: {failure_words(value)}")
     if value.terms:
         mark = {value.dominant: "dominates"}
         rows = [
-            (name, term.at_most, f"{value.shares[name]:.1%}" if value.shares else "", mark.get(name, ""))
+            (name, value.safe_side(term), f"{value.shares[name]:.1%}" if value.shares else "", mark.get(name, ""))
             for name, term in value.terms.items()
         ]
         lines.append(text_table(("term", "value", "share", ""), rows))

@@ -12,9 +12,10 @@ import numpy as np
 from bridge_theory.bound import Bound
 from bridge_theory.cli.figure import Curve, draw
 from bridge_theory.cli.options import Parser, add_parameters, flag, setting_from
-from bridge_theory.cli.rows import missing_from
+from bridge_theory.cli.rows import filled_in
 from bridge_theory.cli.table import text_table
 from bridge_theory.cli.versions import RADIUS, REGRET
+from bridge_theory.defaults import missing
 from bridge_theory.errors import InputError
 from bridge_theory.parameters import Stored, show, to_exact
 from bridge_theory.regret.unknown_repaired import regret_unknown_version_space
@@ -35,10 +36,11 @@ def main(argv: list[str]) -> int:
 
     >>> main(["--target-radius", "0.9", "--S", "5", "--A", "4", "--H", "8", "--delta", "0.05", "--gamma-min", "0.1"])
     demonstrations n for a radius of at most 0.9
-      bound                          status    n       certified there        certified one short
-      offline_radius                 stated    182831  <= 0.8999998510618952  >= 0.9000024755685818
-      offline_radius_repaired        repaired  934     <= 0.8997635952189065  >= 0.9001893099107383
-      offline_radius_repaired_angle  sharp     621     <= 0.8997155540099747  >= 0.9000895941454229
+      bound                          status    n       certified there        certified one short    may fail with
+      offline_radius                 stated    182831  <= 0.8999998510618952  >= 0.9000024755685818  0.05
+      offline_radius_repaired        repaired  934     <= 0.8997635952189065  >= 0.9001893099107383  0.05
+      offline_radius_repaired_angle  sharp     621     <= 0.8997155540099747  >= 0.9000895941454229  0.05
+      filled in: rows = 5 (S: a deterministic stationary expert uses one action in each state)
     0
     """
     arguments = _parser().parse_args(argv)
@@ -80,9 +82,9 @@ def _check_target(name: str, target: str) -> None:
 def _answers(bounds: Sequence[Bound], name: str, target: str, setting: Setting) -> list[Answer]:
     others = Setting(**{key: value for key, value in setting.items() if key != name})
     answers = [(bound, _answer(bound, name, target, others)) for bound in bounds]
-    missing = dict.fromkeys(flag(other) for bound in bounds for other in _missing(bound, name, others))
-    if missing and all(isinstance(answer, str) for _, answer in answers):
-        raise InputError(f"solving for {name} needs more of the problem; add {' '.join(missing)}")
+    lacking = dict.fromkeys(flag(other) for bound in bounds for other in _missing(bound, name, others))
+    if lacking and all(isinstance(answer, str) for _, answer in answers):
+        raise InputError(f"solving for {name} needs more of the problem; add {' '.join(lacking)}")
     return answers
 
 
@@ -91,13 +93,17 @@ def _answer(bound: Bound, name: str, target: str, others: Setting) -> Solution |
     if not _plannable(bound, name):
         move = bound.monotone.get(name)
         return f"not known to be monotone in {name}" if move is None else f"{move.direction} in {name}: {move.because}"
-    missing = _missing(bound, name, others)
-    if missing:
-        return f"needs {' '.join(map(flag, missing))}"
+    lacking = _missing(bound, name, others)
+    if lacking:
+        return f"needs {' '.join(map(flag, lacking))}"
     try:
-        return solve_for(name, bound, target, setting=others)
+        solution = solve_for(name, bound, target, setting=others)
     except InputError as error:  # the statement's own conditions refuse these parameters, not those of the others
         return str(error)
+    there = solution.at_value
+    if there is None or there.certified:
+        return solution
+    return f"nothing is certified: its events may fail with a total probability of {there.failure.at_most}"
 
 
 def _plannable(bound: Bound, name: str) -> bool:
@@ -105,19 +111,26 @@ def _plannable(bound: Bound, name: str) -> bool:
 
 
 def _missing(bound: Bound, name: str, others: Setting) -> tuple[str, ...]:
-    return missing_from(bound, others.replace(**{name: 1})) if _plannable(bound, name) else ()
+    return missing(bound, others, varied=name) if _plannable(bound, name) else ()
 
 
 def _certified(answers: Sequence[Answer], name: str) -> str:
     rows = []
     for bound, answer in answers:
         if isinstance(answer, str):
-            rows.append((bound.name, bound.status, "-", answer, "-"))
+            rows.append((bound.name, bound.status, "-", answer, "-", "-"))
             continue
         meets = answer.reason if answer.meets is None else f"<= {answer.meets.upper!r}"
         fails = f">= {answer.fails.lower!r}" if answer.fails is not None and answer.meets is not None else "-"
-        rows.append((bound.name, bound.status, _short(answer), meets, fails))
-    return text_table(("bound", "status", name, "certified there", "certified one short"), rows)
+        chance = "-" if answer.at_value is None else answer.at_value.failure.at_most
+        rows.append((bound.name, bound.status, _short(answer), meets, fails, chance))
+    table = text_table(("bound", "status", name, "certified there", "certified one short", "may fail with"), rows)
+    return table + _filled_in(answers)
+
+
+def _filled_in(answers: Sequence[Answer]) -> str:
+    lines = filled_in((bound.name, answer.filled) for bound, answer in answers if isinstance(answer, Solution))
+    return "".join(f"\n  filled in: {line}" for line in lines)
 
 
 def _regret(target: str, setting: Setting, path: Path) -> tuple[str, list[dict[str, Any]]]:
@@ -181,13 +194,15 @@ def _record(answer: Answer, name: str, setting: Setting) -> dict[str, Any]:
     bound, solution = answer
     row: dict[str, Any] = {"bound": bound.name, "status": bound.status, "parameter": name}
     if isinstance(solution, str):
-        nothing = dict.fromkeys(("value", "meets", "fails"))
+        nothing = dict.fromkeys(("value", "meets", "fails", "failure"))
         return row | {"answer": "left out", **nothing, "others": _shown(setting, name), "reason": solution}
     return row | {
         "answer": solution.status,
         "value": None if solution.value is None else show(solution.value),
         "meets": None if solution.meets is None else [solution.meets.lower, solution.meets.upper],
         "fails": None if solution.fails is None else [solution.fails.lower, solution.fails.upper],
+        "failure": None if solution.at_value is None else solution.at_value.failure.upper,
+        "filled_in": {item.name: item.assumes for item in solution.filled},
         "others": _shown(solution.others, name),
         "reason": solution.reason,
     }

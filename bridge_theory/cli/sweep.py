@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -14,9 +14,10 @@ from bridge_theory.arithmetic.protocol import FloatArray
 from bridge_theory.bound import Bound, call_with
 from bridge_theory.cli.figure import Curve, draw
 from bridge_theory.cli.options import flag
-from bridge_theory.cli.rows import missing_from
+from bridge_theory.cli.rows import filled_in
 from bridge_theory.cli.table import text_table
 from bridge_theory.cli.versions import RADIUS, REGRET
+from bridge_theory.defaults import Filled, completed, missing
 from bridge_theory.errors import InputError
 from bridge_theory.parameters import Given, Parameter, parameter, show, to_exact
 from bridge_theory.setting import Setting
@@ -87,13 +88,35 @@ def run_sweep(sweep: Sweep, setting: Setting, chosen: Sequence[Bound], path: Pat
     picked = np.unique(np.linspace(0, len(x) - 1, _ROWS).round().astype(int))
     rows = [(f"{x[index]:.6g}", *(f"{curve.y[index]:.6g}" for curve in curves)) for index in picked]
     table = text_table((sweep.row.name, *(curve.label for curve in curves)), rows)
-    return f"float64 estimates (certify a point with bridge-rl bounds)\n{table}\nfigure: {path}"
+    notes = "".join(f"{note}\n" for note in _notes(bounds, [points[index] for index in picked], sweep.row.name))
+    return f"float64 estimates (certify a point with bridge-rl bounds)\n{table}\n{notes}figure: {path}"
+
+
+def _notes(bounds: Sequence[Bound], points: Sequence[Setting], varied: str) -> list[str]:
+    """What was filled in, and where a bound may fail with probability 1 or more, so that it certifies nothing."""
+    notes = [f"filled in: {line}" for line in filled_in((b.name, _filled(b, points, varied)) for b in bounds)]
+    for bound in bounds:
+        failing = [show(point[varied]) for point in points if not bound.value(point).certified]
+        if failing:
+            where = f"{varied} = {', '.join(failing)}"
+            notes.append(f"{bound.name} certifies nothing at {where}: its events may fail with probability 1 in total")
+    return notes
+
+
+def _filled(bound: Bound, points: Sequence[Setting], varied: str) -> tuple[Filled, ...]:
+    """What was filled in at the first point, marked where it changes along the sweep."""
+    first, last = (completed(bound, point)[1] for point in (points[0], points[-1]))
+    along = f"at {varied} = {show(points[0][varied])}; "
+    return tuple(
+        item if item == end else replace(item, assumes=along + item.assumes)
+        for item, end in zip(first, last, strict=True)
+    )
 
 
 def _default(sweep: Sweep, setting: Setting) -> list[Bound]:
     first = setting.replace(**{sweep.row.name: sweep.values[0]})
     for family in (RADIUS, REGRET):
-        usable = [bound for bound in family if not missing_from(bound, first)]
+        usable = [bound for bound in family if not missing(bound, first)]
         if any(sweep.row.name in _touched(bound) for bound in usable):
             return usable
     raise InputError(f"no figure varies with {sweep.row.name} in this setting; name the bounds with --only")
@@ -106,17 +129,23 @@ def _touched(bound: Bound) -> set[str]:
 
 def _check_complete(bounds: Sequence[Bound], point: Setting) -> None:
     for bound in bounds:
-        missing = missing_from(bound, point)
-        if missing:
-            raise InputError(f"{bound.name} cannot be drawn; it also needs {' '.join(map(flag, missing))}")
+        lacking = missing(bound, point)
+        if lacking:
+            raise InputError(f"{bound.name} cannot be drawn; it also needs {' '.join(map(flag, lacking))}")
 
 
 def _along(bound: Bound, points: Sequence[Setting]) -> FloatArray:
-    return np.broadcast_to(bound.estimate(**_columns(bound, points)), len(points))
+    # point by point, at the exact numbers of the setting: 1 - delta in float64 may have lost digits already
+    known = [completed(bound, point)[0] for point in points]
+    exact = [{name: values[name] for name in bound.parameters} for values in known]
+    bound.check_conditions(
+        {name: np.array([point[name] for point in exact], dtype=object) for name in bound.parameters}
+    )
+    return np.array([bound.estimate(**point) for point in exact])
 
 
 def _columns(bound: Bound, points: Sequence[Setting]) -> dict[str, FloatArray]:
-    known = [point.completed(bound.spends) for point in points]
+    known = [completed(bound, point)[0] for point in points]
     return {name: np.array([float(values[name]) for values in known]) for name in bound.parameters}  # type: ignore[arg-type]
 
 

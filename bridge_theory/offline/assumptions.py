@@ -1,4 +1,4 @@
-"""The hypotheses that the offline statements share, worded once."""
+"""The hypotheses that the offline statements share, worded once; ``DETERMINISTIC`` decides what is filled in."""
 
 INDEPENDENT = "the demonstrations are independent trajectories of the expert"
 DETERMINISTIC = "the expert is deterministic and stationary"
@@ -7,3 +7,6 @@ REALIZABLE = "the truth is in the class that is fitted"
 MINIMUM_VISITATION = "every state-action pair the expert visits at a step has probability at least gamma_min there"
 BOUNDED_FEATURES = "a trajectory's features have Euclidean norm at most B"
 COUNT_ESTIMATE = "transitions are estimated by counts for each step, and the first state by its frequency"
+CLONE = "the cloned policy maximises the likelihood over deterministic stationary policies"
+FITTED = "transitions are estimated by maximum likelihood with one kernel for all steps (pooled counts)"
+ROWS = "rows counts the state-action pairs that the expert can use, or all of them (S A)"

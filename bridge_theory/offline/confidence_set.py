@@ -3,7 +3,16 @@
 from __future__ import annotations
 
 from bridge_theory.core import Arithmetic, Value, bound, falls, rises, total
-from bridge_theory.offline.assumptions import DETERMINISTIC, INDEPENDENT, MINIMUM_VISITATION, REALIZABLE, STATIONARY
+from bridge_theory.offline.assumptions import (
+    CLONE,
+    DETERMINISTIC,
+    FITTED,
+    INDEPENDENT,
+    MINIMUM_VISITATION,
+    REALIZABLE,
+    ROWS,
+    STATIONARY,
+)
 from bridge_theory.offline.concentrability import concentrability_stated
 from bridge_theory.offline.policy_error import policy_error_repaired, policy_error_sharp
 from bridge_theory.offline.transition_error import transition_error_repaired
@@ -11,7 +20,7 @@ from bridge_theory.offline.transition_error import transition_error_repaired
 _WORDS = "the expert lies within Hellinger distance {value} of the cloned policy under the estimated dynamics"
 _ERRORS = "R1 and R2 bound the two squared Hellinger errors"
 _TWO = {"R1": rises("it is under a root"), "R2": rises("it is under a root")}
-_TABULAR = (DETERMINISTIC, STATIONARY, INDEPENDENT, REALIZABLE)
+_TABULAR = (DETERMINISTIC, STATIONARY, INDEPENDENT, REALIZABLE, CLONE, FITTED, ROWS)
 _COMPOSED = {
     "S": rises("both errors rise"),
     "rows": rises("the transition error rises"),
@@ -120,8 +129,10 @@ def confidence_set_radius_angle(m: Arithmetic, *, R1: Value, R2: Value) -> Value
     >>> float(confidence_set_radius_angle.estimate(R1=0, R2=1))
     1.0
     """
-    angle = m.arcsin(m.sqrt(m.min(1, R1))) + m.arccos(m.max(0, 1 - R2))
-    return m.sin(m.min(m.pi() / 2, angle))
+    overlap = m.max(0, 1 - R2)
+    angle = m.arcsin(m.sqrt(m.min(1, R1))) + m.arccos(overlap)
+    # the angle is a right one or wider exactly where overlap^2 <= R1; where R2 = 0 only R1 counts
+    return m.if_at_most(overlap**2, R1, lambda: m.number(1), lambda: m.sin(m.min(m.pi() / 2, angle)))
 
 
 @bound(

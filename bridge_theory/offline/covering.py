@@ -5,6 +5,7 @@ from __future__ import annotations
 from bridge_theory.core import Arithmetic, Value, bound, falls, requires, rises
 
 _WORDS = "the logarithm of the covering number is at most {value}"
+_COVERED = "rows counts the rows of a kernel that are covered (S A for the whole kernel)"
 _FINER = falls("a coarser cover needs fewer elements")
 _ROWS = rises("every row needs its own cover")
 
@@ -38,6 +39,7 @@ def transition_log_covering_stated(m: Arithmetic, *, S: Value, A: Value, epsilon
     group="offline",
     status="repaired",
     words=_WORDS,
+    assumptions=(_COVERED,),
     monotone={"S": _ROWS, "rows": _ROWS, "epsilon": _FINER},
 )
 def transition_log_covering_repaired(m: Arithmetic, *, S: Value, rows: Value, epsilon: Value) -> Value:
@@ -61,6 +63,7 @@ def transition_log_covering_repaired(m: Arithmetic, *, S: Value, rows: Value, ep
     group="offline",
     status="repaired",
     words=_WORDS,
+    assumptions=(_COVERED,),
     monotone={"S": _ROWS, "rows": _ROWS, "epsilon": _FINER},
 )
 def transition_log_covering_closed_form(m: Arithmetic, *, S: Value, rows: Value, epsilon: Value) -> Value:
@@ -83,6 +86,7 @@ def transition_log_covering_closed_form(m: Arithmetic, *, S: Value, rows: Value,
     group="offline",
     status="sharp",
     words=_WORDS,
+    assumptions=(_COVERED,),
     conditions=(requires(lambda S: S == 2, "exactly two states"),),
     monotone={"rows": _ROWS, "epsilon": _FINER},
 )

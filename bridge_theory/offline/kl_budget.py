@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bridge_theory.core import Arithmetic, Value, bound, falls, requires, rises, total
-from bridge_theory.offline.assumptions import COUNT_ESTIMATE, DETERMINISTIC, INDEPENDENT
+from bridge_theory.offline.assumptions import COUNT_ESTIMATE, DETERMINISTIC, FITTED, INDEPENDENT, STATIONARY
 
 _SURER = falls("log(1/delta) falls")
 _WORDS = "the counts times the KL errors of the estimated rows sum to at most {value} nats"
@@ -18,7 +18,7 @@ _HELLINGER = "the squared Hellinger distance between the two trajectory laws is 
     status="sharp",
     spends=("delta",),
     words=_WORDS,
-    assumptions=("each row of the kernel is stationary",),
+    assumptions=("each row of the kernel is stationary", "each row is estimated by the frequencies of its own counts"),
     monotone={"S": rises("every binomial rises"), "delta": _SURER},
 )
 def transition_kl_budget(m: Arithmetic, *, S: Value, counts: Value, delta: Value) -> Value:
@@ -43,7 +43,7 @@ def transition_kl_budget(m: Arithmetic, *, S: Value, counts: Value, delta: Value
     status="sharp",
     spends=("delta",),
     words="the KL divergence from the estimated to the true trajectory law is at most {value} nats",
-    assumptions=("the policy never uses a pair without data under the estimate",),
+    assumptions=(STATIONARY, FITTED, "the policy never uses a pair without data under the estimate"),
     monotone={"S": rises("the budget rises"), "delta": _SURER, "ratio": rises("it multiplies")},
 )
 def trajectory_kl(m: Arithmetic, *, S: Value, counts: Value, ratio: Value, delta: Value) -> Value:
@@ -146,7 +146,7 @@ def transition_error_counts(m: Arithmetic, *, S: Value, n: Value, counts: Value,
     status="sharp",
     spends=("delta",),
     words="the visits times the KL errors of the estimated policy sum to at most {value} nats",
-    assumptions=("the expert is Markov",),
+    assumptions=("the expert is Markov", "the policy is estimated by counts for each step and state"),
     monotone={"A": rises("every binomial rises"), "delta": _SURER},
 )
 def policy_kl_budget(m: Arithmetic, *, A: Value, visits: Value, delta: Value) -> Value:
@@ -172,7 +172,7 @@ def policy_kl_budget(m: Arithmetic, *, A: Value, visits: Value, delta: Value) ->
     trivial=1,
     spends=("delta",),
     words="the expert lies within Hellinger distance {value} of the cloned policy under the estimated dynamics",
-    assumptions=("the expert is Markov", INDEPENDENT, COUNT_ESTIMATE),
+    assumptions=("the expert is Markov", INDEPENDENT, COUNT_ESTIMATE, "so is the policy, for each step"),
     monotone={"A": rises("the budget rises"), "delta": _SURER},
 )
 def offline_radius_stochastic(m: Arithmetic, *, A: Value, n: Value, visits: Value, delta: Value) -> Value:

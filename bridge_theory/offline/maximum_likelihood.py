@@ -132,7 +132,7 @@ def mle_finite_sharp(m: Arithmetic, *, n: Value, delta: Value, class_size: Value
     >>> round(float(mle_finite_sharp.estimate(n=100, delta=0.05, class_size=1024)), 4)
     0.0945
     """
-    return -m.expm1(-m.log((class_size - 1) / delta) / n)
+    return m.one_minus_root(delta / (class_size - 1), n)
 
 
 @bound(

@@ -188,7 +188,10 @@ def feature_difference_repaired(m: Arithmetic, *, B: Value, radius: Value) -> Va
     >>> float(feature_difference_repaired.estimate(B=1, radius=1))
     2.0
     """
-    return 2 * B * m.sin(m.min(m.pi() / 2, 2 * m.arccos(m.max(0, 1 - radius**2))))
+    overlap = m.max(0, 1 - radius**2)
+    # twice the angle is a right one or wider exactly where 2 overlap^2 <= 1
+    sine = m.if_at_most(2 * overlap**2, 1, lambda: m.number(1), lambda: m.sin(m.min(m.pi() / 2, 2 * m.arccos(overlap))))
+    return 2 * B * sine
 
 
 @bound(

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from bridge_theory.core import Arithmetic, Value, bound, falls, rises, total
-from bridge_theory.offline.assumptions import DETERMINISTIC, INDEPENDENT, REALIZABLE
+from bridge_theory.offline.assumptions import CLONE, DETERMINISTIC, INDEPENDENT, REALIZABLE
 
 _WORDS = (
     "the squared Hellinger distance of the cloned policy from the expert, under the true dynamics, is at most {value}"
 )
-_ASSUMED = (DETERMINISTIC, INDEPENDENT, REALIZABLE)
+_ASSUMED = (DETERMINISTIC, INDEPENDENT, REALIZABLE, CLONE)
+_FITTED = (INDEPENDENT, REALIZABLE, "the cloned policy maximises the likelihood over the class")
 _POLICIES = rises("there are more policies")
 _MORE_DATA = falls("n divides a nonnegative number")
 _SURER = falls("log(1/delta) falls")
@@ -75,7 +76,7 @@ def policy_error_corollary(m: Arithmetic, *, S: Value, A: Value, n: Value, delta
     trivial=1,
     spends=("delta",),
     words=_WORDS,
-    assumptions=(INDEPENDENT, REALIZABLE),
+    assumptions=_FITTED,
     monotone={"class_size": _POLICIES, "n": _MORE_DATA, "delta": _SURER},
 )
 def policy_error_finite(m: Arithmetic, *, n: Value, delta: Value, class_size: Value) -> Value:
@@ -101,7 +102,7 @@ def policy_error_finite(m: Arithmetic, *, n: Value, delta: Value, class_size: Va
     trivial=1,
     spends=("delta",),
     words=_WORDS,
-    assumptions=(INDEPENDENT, REALIZABLE),
+    assumptions=_FITTED,
     monotone={"log_covering": _POLICIES, "n": _MORE_DATA, "delta": _SURER, "epsilon": rises("it is added")},
 )
 def policy_error_covering(m: Arithmetic, *, n: Value, delta: Value, log_covering: Value, epsilon: Value) -> Value:
@@ -128,7 +129,7 @@ def policy_error_covering(m: Arithmetic, *, n: Value, delta: Value, log_covering
     trivial=1,
     spends=("delta",),
     words=_WORDS,
-    assumptions=(DETERMINISTIC, INDEPENDENT),
+    assumptions=(DETERMINISTIC, INDEPENDENT, CLONE),
     monotone={"S": _POLICIES, "n": _MORE_DATA, "delta": _SURER},
 )
 def policy_error_repaired(m: Arithmetic, *, S: Value, n: Value, delta: Value) -> Value:
@@ -154,7 +155,7 @@ def policy_error_repaired(m: Arithmetic, *, S: Value, n: Value, delta: Value) ->
     trivial=1,
     spends=("delta",),
     words=_WORDS,
-    assumptions=(DETERMINISTIC, INDEPENDENT),
+    assumptions=(DETERMINISTIC, INDEPENDENT, CLONE),
     monotone={"S": _POLICIES, "n": _MORE_DATA, "delta": _SURER},
 )
 def policy_error_sharp(m: Arithmetic, *, S: Value, n: Value, delta: Value) -> Value:
@@ -167,5 +168,4 @@ def policy_error_sharp(m: Arithmetic, *, S: Value, n: Value, delta: Value) -> Va
     >>> round(float(policy_error_sharp.estimate(S=5, n=10, delta=0.025)), 4)
     0.5095
     """
-    subsets = S * m.log(m.number(2)) + m.log1p(-(m.power(m.number(2), -S)))
-    return -m.expm1((m.log(delta) - subsets) / n)
+    return m.one_minus_root(delta / (m.power(m.number(2), S) - 1), n)

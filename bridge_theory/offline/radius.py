@@ -3,12 +3,20 @@
 from __future__ import annotations
 
 from bridge_theory.core import Arithmetic, Value, bound, falls, rises, total
-from bridge_theory.offline.assumptions import DETERMINISTIC, INDEPENDENT, MINIMUM_VISITATION, REALIZABLE, STATIONARY
+from bridge_theory.offline.assumptions import (
+    CLONE,
+    DETERMINISTIC,
+    FITTED,
+    INDEPENDENT,
+    MINIMUM_VISITATION,
+    REALIZABLE,
+    STATIONARY,
+)
 from bridge_theory.offline.confidence_set import confidence_set_radius
 from bridge_theory.offline.policy_error import policy_error_corollary, policy_error_stated
 from bridge_theory.offline.transition_error import transition_error_rate, transition_error_stated
 
-_ASSUMED = (DETERMINISTIC, STATIONARY, INDEPENDENT, REALIZABLE, MINIMUM_VISITATION)
+_ASSUMED = (DETERMINISTIC, STATIONARY, INDEPENDENT, REALIZABLE, MINIMUM_VISITATION, CLONE, FITTED)
 _WORDS = "the expert lies within Hellinger distance {value} of the cloned policy under the estimated dynamics"
 _DIRECTIONS = {
     "S": rises("both errors rise"),
@@ -188,7 +196,7 @@ def offline_radius_corollaries(
     trivial=1,
     spends=("delta",),
     words="the expert lies within Hellinger distance {value} of the cloned policy under the true dynamics",
-    assumptions=(DETERMINISTIC, INDEPENDENT, "the dynamics are known"),
+    assumptions=(DETERMINISTIC, INDEPENDENT, CLONE, "the dynamics are known"),
     monotone={key: _DIRECTIONS[key] for key in ("S", "A", "n", "delta")},
 )
 def offline_radius_known(m: Arithmetic, *, S: Value, A: Value, n: Value, delta: Value) -> Value:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import numpy as np
 
 from bridge_theory.core import Arithmetic, Value, bound, requires, rises
@@ -78,17 +80,17 @@ def trajectory_error_symmetrised(m: Arithmetic, *, occupancy: Value, occupancy_h
     conditions=(_SAME_CELLS,),
 )
 def trajectory_error_one_sided(m: Arithmetic, *, occupancy: Value, row_errors: Value) -> Value:
-    r"""Statement: :math:`H^2(\hat P^\pi,P_*^\pi)\le 3\sum_{t,s,a}d_t(s,a)\,h(s,a)`, the occupancy under either of the
-    two dynamics.
+    r"""Statement: :math:`H^2(\hat P^\pi,P_*^\pi)\le 2.97\sum_{t,s,a}d_t(s,a)\,h(s,a)`, the occupancy under either of
+    the two dynamics.
 
-    Source: audit T2; the best constant is between 2 and 3. Assumptions: common policy and first state. Arguments: two
-    arrays of one length, one entry per (step, state, action). Returns a squared Hellinger distance. Errors:
-    ``InputError`` outside the domain.
+    Source: audit T2; the best constant is between 2.9615 and 2.97. Assumptions: common policy and first state.
+    Arguments: two arrays of one length, one entry per (step, state, action). Returns a squared Hellinger distance.
+    Errors: ``InputError`` outside the domain.
 
     >>> float(trajectory_error_one_sided.estimate(occupancy=[1, 0.5], row_errors=[0.25, 0]))
-    0.75
+    0.7425
     """
-    return 3 * m.sum(lambda d, h: d * h, occupancy, row_errors)
+    return m.number(Fraction(297, 100)) * m.sum(lambda d, h: d * h, occupancy, row_errors)
 
 
 @bound(

@@ -6,12 +6,12 @@ import numpy as np
 
 from bridge_theory.arithmetic.protocol import FloatArray
 from bridge_theory.core import Arithmetic, Value, bound, falls, rate, rises, total
-from bridge_theory.offline.assumptions import INDEPENDENT, REALIZABLE, STATIONARY
+from bridge_theory.offline.assumptions import FITTED, INDEPENDENT, REALIZABLE, ROWS, STATIONARY
 
 _WORDS = (
     "the squared Hellinger distance between the estimated and the true dynamics, under the expert, is at most {value}"
 )
-_ASSUMED = (STATIONARY, INDEPENDENT, REALIZABLE)
+_ASSUMED = (STATIONARY, INDEPENDENT, REALIZABLE, FITTED)
 _LARGER = rises("there are more kernels to tell apart")
 _MORE_DATA = falls("for every cover the bound falls, hence so does the infimum")
 _SURER = falls("log(1/delta) falls")
@@ -152,7 +152,7 @@ def _best_denominator(S: FloatArray, rows: FloatArray, H: FloatArray, n: FloatAr
     trivial=1,
     spends=("delta",),
     words=_WORDS,
-    assumptions=(*_ASSUMED, "rows counts the state-action pairs the expert can use (S), or all of them (S A)"),
+    assumptions=(*_ASSUMED, ROWS),
     monotone={"S": _LARGER, "rows": _LARGER, "H": _LONGER, "n": _MORE_DATA, "delta": _SURER},
 )
 def transition_error_repaired(m: Arithmetic, *, S: Value, H: Value, n: Value, delta: Value, rows: Value) -> Value:
@@ -166,9 +166,9 @@ def transition_error_repaired(m: Arithmetic, *, S: Value, H: Value, n: Value, de
 
     The bracket strictly falls and then strictly rises in ``k`` (the sign of its slope is that of an increasing
     function), so two neighbours certify the minimum. Source: audit T6(ii) with T11. Assumptions: stationary kernel,
-    independent data; ``rows = S`` suffices for a deterministic expert. Arguments: ``S, H, n, rows`` positive
-    integers, ``delta`` in (0, 1). Returns a squared Hellinger distance; vacuous from 1 on. Errors: ``InputError``
-    outside the domain.
+    independent data; ``rows = S`` only suffices for a deterministic stationary expert. Arguments: ``S, H, n, rows``
+    positive integers, ``delta`` in (0, 1). Returns a squared Hellinger distance; vacuous from 1 on. Errors:
+    ``InputError`` outside the domain.
 
     >>> round(float(transition_error_repaired.estimate(S=5, H=8, n=736, delta=0.025, rows=5)), 4)
     0.4057
@@ -198,7 +198,7 @@ def transition_error_repaired(m: Arithmetic, *, S: Value, H: Value, n: Value, de
     trivial=1,
     spends=("delta",),
     words=_WORDS,
-    assumptions=_ASSUMED,
+    assumptions=(*_ASSUMED, ROWS),
     monotone={
         "H": rises("log rises"),
         "n": falls("log(a n + 3)/n and 1/n fall"),
@@ -211,9 +211,9 @@ def transition_error_closed_form(m: Arithmetic, *, S: Value, H: Value, n: Value,
     r"""Statement: with :math:`D=\mathrm{rows}(|S|-1)`,
     :math:`H^2\le\frac{2D}{n}\bigl[\log(nH/D+3)+2\bigr]+\frac{2\log(1/\delta)}{n}`.
 
-    Source: corollary of audit T11, at :math:`\varepsilon=D/n`. Assumptions: stationary kernel, independent data.
-    Arguments: ``S, H, n, rows`` positive integers, ``delta`` in (0, 1). Returns a squared Hellinger distance; vacuous
-    from 1 on. Errors: ``InputError`` outside the domain.
+    Source: corollary of audit T11, at :math:`\varepsilon=D/n`. Assumptions: stationary kernel, independent data;
+    ``rows`` as in ``transition_error_repaired``. Arguments: ``S, H, n, rows`` positive integers, ``delta`` in (0, 1).
+    Returns a squared Hellinger distance; vacuous from 1 on. Errors: ``InputError`` outside the domain.
 
     >>> round(float(transition_error_closed_form.estimate(S=5, H=8, n=736, delta=0.025, rows=5)), 4)
     0.4282

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from bridge_theory.core import Arithmetic, Value, bound, rises
-from bridge_theory.offline.assumptions import DETERMINISTIC
+from bridge_theory.offline.assumptions import CLONE, DETERMINISTIC
 
 _WORDS = "the expert lies within Hellinger distance {value} of the cloned policy under the estimated dynamics"
-_CLONE = "the cloned policy maximises the likelihood over deterministic stationary policies"
 
 
 @bound(
@@ -19,7 +18,7 @@ _CLONE = "the cloned policy maximises the likelihood over deterministic stationa
     words=_WORDS,
     assumptions=(
         DETERMINISTIC,
-        _CLONE,
+        CLONE,
         "the estimated dynamics never leave the states in which an action was recorded (count estimate, self-loops)",
     ),
 )
@@ -45,7 +44,7 @@ def offline_radius_closed(m: Arithmetic) -> Value:
     status="sharp",
     trivial=1,
     words=_WORDS,
-    assumptions=(DETERMINISTIC, _CLONE, "mass is computed under the same estimated dynamics"),
+    assumptions=(DETERMINISTIC, CLONE, "mass is computed under the same estimated dynamics"),
     monotone={"mass": rises("it is under a root")},
 )
 def offline_radius_mass(m: Arithmetic, *, mass: Value) -> Value:

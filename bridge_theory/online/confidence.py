@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bridge_theory.core import Arithmetic, Value, bound, falls, requires, rises, total
-from bridge_theory.preference import kappa, kappa_differences
+from bridge_theory.preference import NONNEGATIVE, kappa, kappa_differences, nonnegative_bound
 
 MODEL = (
     "trajectory features have norm at most B and the preference weights norm at most W",
@@ -11,6 +11,15 @@ MODEL = (
 )
 WITHIN_ROUNDS = requires(lambda t, T: t <= T, "t <= T (one of the T rounds)")
 _LOG_RISES = rises("d log(1 + c/d) rises in d for every c >= 0")
+_ANY_WEIGHTS = "the chosen weights have norm at most W; nothing is assumed about how they were found"
+_RADIUS_MONOTONE = {
+    "residual": rises("it is added"),
+    "log_det_ratio": rises("beta_t rises"),
+    "delta_w": falls("beta_t falls"),
+    "lam": rises("beta_t rises at a fixed determinant ratio"),
+    "B": rises("kappa and sqrt(kappa) rise"),
+    "W": rises("kappa, sqrt(kappa) and W rise"),
+}
 
 
 @bound(
@@ -149,15 +158,8 @@ def beta_repaired(
     status="repaired",
     words="in every round the true weights lie within {value} of the chosen ones in the data-matrix norm",
     spends=("delta_w",),
-    assumptions=(*MODEL, "the chosen weights have norm at most W; nothing is assumed about how they were found"),
-    monotone={
-        "residual": rises("it is added"),
-        "log_det_ratio": rises("beta_t rises"),
-        "delta_w": falls("beta_t falls"),
-        "lam": rises("beta_t rises at a fixed determinant ratio"),
-        "B": rises("kappa and sqrt(kappa) rise"),
-        "W": rises("kappa, sqrt(kappa) and W rise"),
-    },
+    assumptions=(*MODEL, _ANY_WEIGHTS),
+    monotone=_RADIUS_MONOTONE,
 )
 def confidence_radius_repaired(
     m: Arithmetic, *, B: Value, W: Value, lam: Value, delta_w: Value, log_det_ratio: Value, residual: Value
@@ -177,3 +179,32 @@ def confidence_radius_repaired(
     scale = kappa_differences(m, B=B, W=W)
     width = beta_repaired_logdet(m, B=B, W=W, lam=lam, delta_w=delta_w, log_det_ratio=log_det_ratio)
     return total(statistical=scale * width, solver=scale * residual)
+
+
+@bound(
+    title="radius of the preference ellipsoid, nonnegative features",
+    symbol=r"\rho_t",
+    source="audit R1",
+    group="online",
+    status="sharp",
+    words="in every round the true weights lie within {value} of the chosen ones in the data-matrix norm",
+    spends=("delta_w",),
+    assumptions=(*MODEL, NONNEGATIVE, _ANY_WEIGHTS),
+    monotone=_RADIUS_MONOTONE,
+)
+def confidence_radius_nonnegative(
+    m: Arithmetic, *, B: Value, W: Value, lam: Value, delta_w: Value, log_det_ratio: Value, residual: Value
+) -> Value:
+    r"""Statement: ``confidence_radius_repaired`` with :math:`\kappa=2+2\cosh(\sqrt2BW)`, also in :math:`V_t`.
+
+    Source: audit R1 with ``kappa_nonnegative``: its proof needs B only through :math:`\|x_l\|\le2B`. Assumptions: as
+    there, and no feature is negative. Arguments: as ``confidence_radius_repaired``; ``log_det_ratio`` and ``residual``
+    belong to the data matrix with this kappa. Returns a distance in the norm of :math:`V_t`. Errors: ``InputError``.
+
+    >>> radius = confidence_radius_nonnegative.estimate(B=1, W=1, lam=1, delta_w=0.05, log_det_ratio=0, residual=0)
+    >>> round(float(radius), 3)
+    10.301
+    """
+    return confidence_radius_repaired.function(
+        m, B=nonnegative_bound(m, B), W=W, lam=lam, delta_w=delta_w, log_det_ratio=log_det_ratio, residual=residual
+    )

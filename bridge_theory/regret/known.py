@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
-import numpy as np
-
+from bridge_theory.comparison import at_most
 from bridge_theory.core import Arithmetic, Value, bound, falls, rate, requires, rises
+from bridge_theory.offline.assumptions import DETERMINISTIC
 from bridge_theory.online.confidence import beta_t
 from bridge_theory.online.norm_relation import alpha_dT, gamma_known
 from bridge_theory.preference import kappa
@@ -17,10 +16,11 @@ _LOG_RISES = rises("d log(1 + c/d) rises in d for every c >= 0")
 
 
 def _regularised_enough(lam: Any, B: Any, W: Any) -> Any:
-    # kappa = (2 cosh(BW/2))^2, compared in logarithms because cosh overflows early
-    size, regularisation = np.asarray(B, dtype=np.float64), np.asarray(lam, dtype=np.float64)
-    half = size * np.asarray(W, dtype=np.float64) / 2
-    return np.log(regularisation) + 2 * np.logaddexp(half, -half) >= np.log(size)
+    return at_most(lambda m, lam, B, W: (B, lam * kappa(m, B=B, W=W)), lam=lam, B=B, W=W)
+
+
+def _unlikely_enough(delta: Any) -> Any:
+    return at_most(lambda m, delta: (delta, m.exp(m.number(-1))), delta=delta)
 
 
 @bound(
@@ -103,9 +103,9 @@ def feature_difference_sum(
     trivial=twice_range,
     spends=("delta",),
     words="the regret is at most {value}",
-    assumptions=(BOUNDED, "the expert is deterministic, stationary, and the best policy of the class"),
+    assumptions=(BOUNDED, DETERMINISTIC, "the expert is the best policy of the class"),
     conditions=(
-        requires(lambda delta: delta <= math.exp(-1), "delta <= 1/e"),
+        requires(_unlikely_enough, "delta <= 1/e"),
         requires(_regularised_enough, "lam >= B / kappa"),
     ),
     monotone={

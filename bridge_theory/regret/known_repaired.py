@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bridge_theory.core import Arithmetic, Value, bound, falls, least, rises, total
+from bridge_theory.offline.assumptions import DETERMINISTIC
 from bridge_theory.online.confidence import MODEL, beta_repaired
 from bridge_theory.online.norm_relation import norm_relation, supermartingale_factor
 from bridge_theory.preference import kappa_differences
@@ -143,7 +144,8 @@ def regret_known_repaired(
     assumptions=(
         *MODEL,
         *_PLAY[::2],
-        "deterministic stationary policies and expert, who is the best policy",
+        DETERMINISTIC,
+        "the expert is the best policy, and all policies are deterministic and stationary",
         "the offline set is every policy that agrees with all n independent demonstrations",
     ),
     monotone={

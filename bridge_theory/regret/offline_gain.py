@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bridge_theory.core import Arithmetic, Value, bound, falls, least, rises
+from bridge_theory.offline.assumptions import DETERMINISTIC
 from bridge_theory.online.coverage import VISITS
 from bridge_theory.regret.trivial import BOUNDED, IN_SET, twice_range
 
@@ -10,7 +11,7 @@ _CONTAINED = "the best policy lies within the radius of the cloned policy under 
 _CONTAINED_ESTIMATED = "the best policy lies within the radius of the cloned policy under the estimated dynamics"
 _DETERMINISTIC = "all policies and the cloned policy are deterministic"
 _R2_EVENT = "the transition error of the best policy is at most R2 in squared Hellinger distance"
-_VERSION_SPACE = "deterministic stationary expert; the offline set is every policy that agrees with all demonstrations"
+_VERSION_SPACE = (DETERMINISTIC, "the offline set is every deterministic policy that agrees with all demonstrations")
 _BY_RADIUS = rises("it multiplies")
 _WITHIN = "every policy of the offline set is within {value} of the expert in total variation"
 
@@ -117,7 +118,7 @@ def delta_n_unknown_deterministic(m: Arithmetic, *, radius: Value, R2: Value) ->
     trivial=1,
     spends=("delta_off",),
     words=_WITHIN,
-    assumptions=(_VERSION_SPACE, VISITS[0]),
+    assumptions=(*_VERSION_SPACE, VISITS[0]),
     monotone={
         "S": rises("it multiplies"),
         "A": rises("log rises"),
@@ -147,7 +148,7 @@ def delta_n_version_space(m: Arithmetic, *, S: Value, A: Value, n: Value, delta_
     trivial=1,
     spends=("delta_off",),
     words=_WITHIN,
-    assumptions=(_VERSION_SPACE, VISITS[0]),
+    assumptions=(*_VERSION_SPACE, VISITS[0]),
     monotone={
         "S": rises("there are more sets of states"),
         "n": falls("the root of a number below 1 rises"),
@@ -165,8 +166,7 @@ def delta_n_version_space_sharp(m: Arithmetic, *, S: Value, n: Value, delta_off:
     0.006409
     """
     two = m.number(2)
-    log_sets = S * m.log(two) + m.log1p(-m.power(two, -S))  # log(2^S - 1) without overflow
-    return -m.expm1((m.log(delta_off) - log_sets) / n)
+    return m.one_minus_root(delta_off / (m.power(two, S) - 1), n)
 
 
 @bound(
@@ -177,7 +177,7 @@ def delta_n_version_space_sharp(m: Arithmetic, *, S: Value, n: Value, delta_off:
     status="repaired",
     trivial=1,
     words="some policy that agrees with all demonstrations differs from the expert with probability at most {value}",
-    assumptions=(_VERSION_SPACE, *VISITS),
+    assumptions=(*_VERSION_SPACE, *VISITS),
     monotone={
         "S_reach": rises("it multiplies"),
         "n": falls("a power of a number below 1"),
@@ -206,7 +206,14 @@ def exact_recovery_failure(m: Arithmetic, *, S_reach: Value, n: Value, gamma_min
     trivial=twice_range,
     spends=("delta_off",),
     words="the regret is at most {value}, whatever is played inside the offline set",
-    assumptions=(BOUNDED, IN_SET, _DETERMINISTIC, "the dynamics are known"),
+    assumptions=(
+        BOUNDED,
+        IN_SET,
+        DETERMINISTIC,
+        _DETERMINISTIC,
+        "the dynamics are known",
+        "the offline set is the ball of lem:offline_CI_under_known_dyn, radius sqrt(6 S log(A / delta_off) / n)",
+    ),
     monotone={
         "B": rises("it multiplies"),
         "W": rises("it multiplies"),

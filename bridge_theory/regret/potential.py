@@ -55,7 +55,8 @@ def elliptical_potential(m: Arithmetic, *, L: Value, v: Value, d: Value, square_
     >>> round(float(elliptical_potential.estimate(L=1, v=1, d=1, square_sum=1)), 12)
     1.0
     """
-    return potential_factor(m, L=L, v=v) * d * m.log1p(square_sum / (d * v))
+    a, growth = L**2 / v, square_sum / (d * v)
+    return m.if_at_most(a, m.number(0), lambda: d * m.log1p(growth), lambda: a * d * m.log1p_ratio(growth, a))
 
 
 @bound(
@@ -77,7 +78,7 @@ def elliptical_potential_capped(m: Arithmetic, *, v: Value, d: Value, square_sum
     >>> float(elliptical_potential_capped.estimate(v=1, d=1, square_sum=1))
     1.0
     """
-    return d * m.log1p(square_sum / (d * v)) / m.log(m.number(2))
+    return d * m.log1p_ratio(square_sum / (d * v), m.number(1))
 
 
 @bound(

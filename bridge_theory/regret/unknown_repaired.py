@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bridge_theory.core import Arithmetic, Value, bound, falls, least, rises, total
+from bridge_theory.offline.assumptions import DETERMINISTIC
 from bridge_theory.online.confidence import MODEL, beta_repaired
 from bridge_theory.online.coverage import VISITS, coverage_failure
 from bridge_theory.online.l1_bonus import EVENT
@@ -247,7 +248,8 @@ def regret_unknown_covered(
         *MODEL,
         *EVENT,
         _PLAY[1],
-        "deterministic stationary policies and expert, who is the best policy",
+        DETERMINISTIC,
+        "the expert is the best policy, and all policies are deterministic and stationary",
         "the offline set is every policy that agrees with all n independent demonstrations",
     ),
     monotone={

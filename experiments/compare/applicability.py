@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
-from bridge_algos.run.config import RADII
-from bridge_algos.run.world import EXPELLED, HAND_SET, caveats
+from bridge_algos.run.config import RunConfig
+from bridge_algos.run.world import World, caveats
 from experiments.compare.subject import Subject
 
 
 def missing_of_certified(subject: Subject) -> tuple[str, ...]:
-    """What a certificate needs beyond its log, so that its comparator is the policy that our regret is against.
+    """Why the certificates are about another regret than ours, which is against the best stationary policy found.
 
-    The checker bounds the regret against the best of the policies searched, and judges everything else by itself.
+    The checker bounds the regret against the best of the policies searched. Whether that is ours needs no assumption:
+    the results say how good the best of them is. Everything else the checker judges by itself.
     """
-    return tuple(_of_the_search(subject) + [EXPELLED] * (subject.config.noise > 0))
+    if not subject.lacking:
+        return ()
+    return (
+        f"in {subject.lacking} of {subject.results.sizes['seed']} seeds the best policy is not among those searched, "
+        "which the certificate is about",
+    )
 
 
 def missing_of_repaired(subject: Subject) -> tuple[str, ...]:
@@ -47,23 +53,38 @@ def missing_of_stated(subject: Subject) -> tuple[str, ...]:
 
 def _of_every_theorem(subject: Subject) -> list[str]:
     # the confidence sets themselves are judged above
-    own = caveats(subject.config.but(confidence="repaired"), subject.world)
-    return list(dict.fromkeys(own + _of_the_search(subject)))
+    return list(dict.fromkeys(of_the_run(subject.config, subject.world) + _of_the_search(subject)))
 
 
-def _of_the_search(subject: Subject) -> list[str]:
-    """Why the best stationary policy may not be among the policies searched, noise aside."""
-    config, world, found = subject.config, subject.world, []
+def of_the_run(config: RunConfig, world: World) -> list[str]:
+    """What of a run's settings takes the guarantees away, whatever its confidence sets and the policies it searched."""
+    found = caveats(config.but(confidence="repaired"), world)
     if world.demonstrations is not None:
         found.append("a file does not show whether its demonstrations come from the best policy")
     elif not world.expert.is_maximiser:
         found.append("the expert is not certified to be the best policy")
     elif world.expert.policy.ndim == 2:
         found.append("the expert is time-dependent, so that the best stationary policy may disagree with it")
-    if config.candidates != "exact" or bool((subject.results.offline_set_count > config.candidate_limit).any()):
-        found.append("only a sample of the offline set was searched")
-    if config.radius not in RADII:
-        found.append(HAND_SET)
-    elif config.radius == "stated-known" and not subject.known:
+    return found
+
+
+def _of_the_search(subject: Subject) -> list[str]:
+    """Why the policies searched may not be the whole of an offline set that contains the best stationary policy."""
+    config, found = subject.config, []
+    if not _whole(subject):
+        found.append("only a sample of the offline set was searched, or it is not known to be whole")
+    if config.radius == "stated-known" and not subject.known:
         found.append("the offline radius 'stated-known' is about known dynamics")
     return found
+
+
+def _whole(subject: Subject) -> bool:
+    """Whether the offline set was certainly searched as a whole in every seed."""
+    config, mdp = subject.config, subject.world.mdp
+    if config.candidates != "exact":
+        return False
+    if mdp.n_actions**mdp.n_states <= config.candidate_limit:
+        return True
+    if subject.known and config.radius != "zero":
+        return False  # the count recorded is that of the set under the estimated dynamics
+    return bool((subject.results["offline_set_count"] <= config.candidate_limit).all())  # not so where nobody counted

@@ -7,19 +7,22 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import xarray as xr
 from joblib import Parallel, delayed
 from tqdm import tqdm
 
 from bridge_algos.mdp import FloatArray
 from bridge_algos.run.config import RunConfig
-from bridge_algos.run.log_file import load_log, log_files
+from bridge_algos.run.log_file import RunLog, load_log, log_files, log_path
 from bridge_theory.errors import InputError
 from proofs_checks.verify import Certificate, verify
 
 SOURCE, CHECKER = "audit R4", "proofs_checks.verify"
 
 
-def certificates(directory: Path, config: RunConfig, jobs: int = 1) -> dict[tuple[str, int], Certificate] | str:
+def certificates(
+    directory: Path, config: RunConfig, results: xr.Dataset, jobs: int = 1
+) -> dict[tuple[str, int], Certificate] | str:
     """What the checker finds in a run's logs, by algorithm and seed; or the reason why it checks none."""
     paths = log_files(directory)
     parallel = Parallel(n_jobs=jobs, return_as="generator", batch_size=1)
@@ -27,7 +30,7 @@ def certificates(directory: Path, config: RunConfig, jobs: int = 1) -> dict[tupl
     found: dict[tuple[str, int], Certificate] = {}
     with bar:
         try:
-            for items in parallel(delayed(verified)(path, config) for path in paths):
+            for items in parallel(delayed(verified)(path, config, results) for path in paths):
                 found |= {(item.algorithm, item.seed): item for item in items}
                 bar.update()
         except InputError as error:
@@ -57,9 +60,36 @@ def certified(
     return np.array([item.bounds["best"] for item in own]), max(item.failure for item in own)
 
 
-def verified(path: Path, config: RunConfig) -> tuple[Certificate, ...]:
-    """What the checker finds in the log of a run; InputError also for the log of another one."""
+def verified(path: Path, config: RunConfig, results: xr.Dataset) -> tuple[Certificate, ...]:
+    """What the checker finds in the log of a stored run.
+
+    Args:
+        path: of the log, named after its seed.
+        config, results: of the run: the log has to be of the same configuration, and of the same rounds wherever the
+            results hold its seed.
+
+    Raises:
+        InputError: also for the log of another run.
+    """
     log = load_log(path)
     if RunConfig.from_json(json.dumps(log.header.get("configuration"))) != config:
         raise InputError(f"{path} is the log of another configuration; move it away.")
-    return verify(log)
+    found = verify(log)
+    for item in found:
+        if path != log_path(path.parent, item.seed):
+            raise InputError(f"{path} is the log of seed {item.seed}; give it that seed's name, or remove it.")
+        if not _same_rounds(log, item, results):
+            raise InputError(f"{path} is not the log of the stored run of seed {item.seed}: its rounds are others.")
+    return found
+
+
+def _same_rounds(log: RunLog, item: Certificate, results: xr.Dataset) -> bool:
+    """Whether the results hold the pairs and claims of the log, as far as they hold its seed and algorithm."""
+    if item.algorithm not in results.algorithm or item.seed not in results.seed:
+        return True
+    own = results.sel(algorithm=item.algorithm, seed=item.seed)
+    pairs = np.stack([own["first"], own["second"]], axis=-1)
+    if not np.array_equal(pairs, log.arrays[f"{item.algorithm}/pairs"]):
+        return False
+    claims = ("gamma", "log_det", "uncertainty")
+    return all(np.allclose(own[name], log.arrays[f"{item.algorithm}/{name}"], rtol=1e-6) for name in claims)

@@ -11,7 +11,7 @@ import numpy as np
 
 from bridge_algos.mdp import FloatArray, IntArray
 from bridge_theory import regret_trivial
-from experiments.compare.ledger import Replay, exact_replay, refuted_label
+from experiments.compare.ledger import Replay, exact_replay, holds, refuted_label
 from experiments.compare.sequence import confidence_sequence
 from experiments.compare.subject import Subject, subjects
 from experiments.compare.theory_curves import Curve, LeftOut, theory_curves
@@ -60,6 +60,7 @@ class Row:
         exceeded: seeds whose regret is above the value.
         chance: lower end of the 95 % confidence sequence for the probability that a run's regret is above the value.
         ledger: label of the ledger's claim that the statement is false, "" where there is none.
+        proved: whether the statement is proved: one of the repaired theory, or held to be true by the ledger.
         violated_from: first round drawn from which on the violation is certified; None where it is not.
     """
 
@@ -70,6 +71,7 @@ class Row:
     exceeded: int
     chance: float
     ledger: str
+    proved: bool
     violated_from: int | None
 
 
@@ -107,7 +109,7 @@ def compare(directory: Path, jobs: int = 1) -> tuple[Comparison, ...]:
       bound is above the failure probability that the statement allows.
     - ``"below, not certified"``: some seeds exceed it, no more than the failure probability may explain.
     - ``"below, not about this run"``: the mean regret exceeds it, but the run does not meet its assumptions.
-    - ``"vacuous"``: no better than 2BWT. ``"informative"``: certainly below it.
+    - ``"vacuous"``: no better than 2BWT, or its failure probability is 1. ``"informative"``: certainly below it.
 
     Args:
         directory: where 'bridge-rl run' stored the run, with its logs where certified bounds are wanted.
@@ -160,12 +162,12 @@ def _row(curve: Curve, empirical: Empirical, trivial: float) -> Row:
         verdict = "violated"
         violated_from = empirical.replay.violated_from
     elif above.any() and not curve.missing:
-        impossible = curve.failure == 0.0 or chance > (curve.failure or 0.0)
-        verdict = "violated" if impossible else "below, not certified"
-    elif mean > value:
+        allowed = curve.failure or 0.0
+        verdict = "violated" if allowed == 0 or chance > allowed else "below, not certified"
+    elif above.any() and mean > value:
         verdict = "below, not about this run"
     else:
-        verdict = "vacuous" if value >= trivial else "informative"
+        verdict = "vacuous" if value >= trivial or curve.failure == 1 else "informative"
     return Row(
         curve=curve,
         value=value,
@@ -174,6 +176,7 @@ def _row(curve: Curve, empirical: Empirical, trivial: float) -> Row:
         exceeded=int(above.sum()),
         chance=chance,
         ledger=refuted_label(curve.source),
+        proved=curve.kind not in ("stated", "stated-sums", "rate") or holds(curve.source),
         violated_from=violated_from,
     )
 

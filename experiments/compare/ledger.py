@@ -58,3 +58,11 @@ def refuted_label(source: str) -> str:
     from proofs_checks.ledger import claims
 
     return next((claim.label for claim in claims() if claim.label == source and claim.verdict == "false"), "")
+
+
+def holds(source: str) -> bool:
+    """Whether the ledger holds every claim under a label to be true."""
+    from proofs_checks.ledger import claims
+
+    verdicts = [claim.verdict for claim in claims() if claim.label == source]
+    return bool(verdicts) and all(verdict.startswith("true") for verdict in verdicts)

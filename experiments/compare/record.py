@@ -50,6 +50,7 @@ def _row(row: Row) -> dict[str, Any]:
         "exceeded": row.exceeded,
         "chance": row.chance,
         "ledger": row.ledger,
+        "proved": row.proved,
         "violated_from": row.violated_from,
     }
 

@@ -69,6 +69,13 @@ class Subject:
         return np.asarray(values[:, self.rounds - 1])
 
     @property
+    def lacking(self) -> int:
+        """In how many seeds every policy searched is worse than the one that regret is against."""
+        expert = self.world.expert
+        best = expert.expected_return - np.asarray(self.results["best_candidate"], dtype=np.float64)
+        return int((expert.best_stationary.value - best > expert.tolerance).sum())
+
+    @property
     def range_of_a_round(self) -> tuple[float, float]:
         """Between what the regret of any round lies, in units of utility, whatever is played and in every seed.
 
@@ -108,7 +115,7 @@ def subjects(directory: Path, jobs: int = 1) -> list[Subject]:
         )
     world = build_world(config)
     names = compared_algorithms(config, world)
-    found = certificates(directory, config, jobs)
+    found = certificates(directory, config, results, jobs)
     grid, run = evaluation_rounds(results.sizes["round"]), directory.resolve().name
     return [Subject(name, config, world, results.sel(algorithm=name), grid, run, found) for name in names]
 

@@ -95,9 +95,7 @@ def _trivial(subject: Subject, label: str) -> Curve:
 def _certified(subject: Subject, label: str) -> Curve:
     seeds = [int(seed) for seed in subject.results.seed.values]
     values, failure = certified(subject.certificates, subject.algorithm, seeds)
-    missing = missing_of_certified(subject)
-    curve = Curve("certified", label, SOURCE, CHECKER, subject.at_rounds(values), failure, missing)
-    return curve if subject.config.radius == "zero" else _with_offline_set(curve, subject)
+    return Curve("certified", label, SOURCE, CHECKER, subject.at_rounds(values), failure, missing_of_certified(subject))
 
 
 def _apriori(subject: Subject, label: str) -> Curve:
@@ -203,8 +201,5 @@ def _curve(
             for i, t in enumerate(subject.rounds)
         ]
         rows.append([value.enclosure.upper for value in row])
-    failure = row[-1].failure
-    return Curve(
-        kind, label, bound.source, bound.name, np.array(rows), 0.0 if failure is None else min(1.0, failure.upper),
-        missing,
-    )  # fmt: skip
+    failure = min(1.0, row[-1].failure.upper)
+    return Curve(kind, label, bound.source, bound.name, np.array(rows), failure, missing)

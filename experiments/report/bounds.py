@@ -9,10 +9,12 @@ from bridge_algos.run.config import RunConfig
 from bridge_algos.run.setting import theory_setting
 from bridge_algos.run.world import build_world, caveats
 from bridge_theory.catalog import FORMULAS
-from bridge_theory.cli.rows import Row, missing_from, row_for
+from bridge_theory.cli.rows import Row, failure_words, filled_in, row_for
+from bridge_theory.defaults import missing
 from bridge_theory.errors import InputError
 from bridge_theory.parameters import show
 from bridge_theory.setting import Setting
+from experiments.compare.applicability import of_the_run
 from experiments.report.ledger import refuted, row_anchor
 from experiments.report.text import table_html
 
@@ -21,7 +23,7 @@ _OWN = (
     '<p class="quiet">Each bound has assumptions of its own, listed by <code>bridge-rl bounds --explain LABEL</code>; '
     "those from the version space, for example, are about an offline set of radius zero.</p>"
 )
-_HEADER = ("bound", "value", "trivial value", "says something?", "status")
+_HEADER = ("bound", "value", "may fail with", "trivial value", "says something?", "status")
 
 
 def bounds_html(config: RunConfig) -> str:
@@ -32,11 +34,11 @@ def bounds_html(config: RunConfig) -> str:
         return f"<p>The run's world cannot be built again: {escape(str(error))}</p>"
     setting = theory_setting(config, world).replace(T=config.rounds)
     given = ", ".join(f"{name} = {_short(name, setting)}" for name in setting)
-    rows = [row_for(formula, setting) for formula in FORMULAS.values() if not missing_from(formula, setting)]
-    missing = "; ".join(caveats(config, world))
-    warning = f'<p class="problem">The bounds assume what this run does not keep: {escape(missing)}.</p>'
+    rows = [row_for(formula, setting) for formula in FORMULAS.values() if not missing(formula, setting)]
+    broken = "; ".join(dict.fromkeys(caveats(config, world) + of_the_run(config, world)))
+    warning = f'<p class="problem">The bounds assume what this run does not keep: {escape(broken)}.</p>'
     telling = [row for row in rows if row.value is not None and row.value.trivial is not None]
-    says = [row for row in telling if row.value is not None and row.value.vacuous is not True]
+    says = [row for row in telling if row.value is not None and row.value.certified and row.value.vacuous is not True]
     tables = table_html(_HEADER, map(_cells, says), "bounds") if says else "<p>No bound says anything here.</p>"
     for group, title in _GROUPS.items():
         members = [row for row in rows if row.formula.group == group and row not in says]
@@ -44,7 +46,11 @@ def bounds_html(config: RunConfig) -> str:
         rest = [row for row in members if row not in empty]
         tables += _folded(f"{title}: {len(empty)} bounds that say nothing here", empty)
         tables += _folded(f"{title}: {len(rest)} parts and rates", rest)
-    return f'<p class="quiet">At {escape(given)}.</p>{warning if missing else ""}{_OWN}{tables}'
+    filled = filled_in((row.formula.name, row.filled) for row in rows)
+    assumed = (
+        f'<p class="quiet">Filled in, as a run does not show it: {escape("; ".join(filled))}.</p>' if filled else ""
+    )
+    return f'<p class="quiet">At {escape(given)}.</p>{warning if broken else ""}{_OWN}{assumed}{tables}'
 
 
 def _folded(summary: str, rows: list[Row]) -> str:
@@ -62,16 +68,17 @@ def _cells(row: Row) -> tuple[str, ...]:
     source = f"<code>{escape(formula.source)}</code>"
     name = f"{escape(formula.title)}<br>" + (f'<a href="#{link}">{source}</a>' if link else source)
     if row.estimate is not None:
-        return (name, f"~ {row.estimate:.4g}", "–", "a rate: for scaling only", status)
+        return (name, f"~ {row.estimate:.4g}", "–", "–", "a rate: for scaling only", status)
     if row.value is None:
-        return (name, "undefined", "–", escape(row.problem), status)
+        return (name, "undefined", "–", "–", escape(row.problem), status)
     value = row.value
     trivial = "–" if value.trivial is None else value.trivial.at_most
     undecided = "–" if value.trivial is None else "not decided"
     yes = "claims to" if false else '<b class="says">yes</b>'
-    says = {None: undecided, True: '<span class="empty">no</span>', False: yes}[value.vacuous]
-    return (name, f'<span title="{escape(str(value.enclosure))}">{value.enclosure.at_most}</span>', trivial, says,
-            status)  # fmt: skip
+    no = '<span class="empty">no</span>'
+    says = {None: undecided, True: no, False: yes}[value.vacuous] if value.certified else no
+    shown = f'<span title="{escape(str(value.enclosure))}">{value.shown}</span>'
+    return (name, shown, failure_words(value), trivial, says, status)
 
 
 def _short(name: str, setting: Setting) -> str:

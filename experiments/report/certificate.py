@@ -14,7 +14,7 @@ from bridge_theory.errors import InputError
 from experiments.compare.certificates import verified
 from experiments.report.text import table_html
 from proofs_checks.verify import Certificate
-from proofs_checks.verify.certificate import rounded_up
+from proofs_checks.verify.certificate import rounded_up, shared
 
 _NAMES = {
     "trivial": "trivial",
@@ -22,6 +22,12 @@ _NAMES = {
     "width": "width",
     "hindsight": "hindsight",
     "best": "best of all",
+}
+_TITLES = {
+    "bounds": "What the bounds are on",
+    "note": "Notes",
+    "assuming": "What no log can show",
+    "taken at its word": "What is taken at its word",
 }
 
 
@@ -37,7 +43,7 @@ def certificates_html(directory: Path, config: RunConfig, results: xr.Dataset, m
     unread = []
     for path in paths[:most]:
         try:
-            found += verified(path, config)
+            found += verified(path, config, results)
         except InputError as error:
             unread.append(f'<p class="problem">{escape(str(error))}</p>')
     good = sum(item.certified for item in found)
@@ -48,20 +54,23 @@ def certificates_html(directory: Path, config: RunConfig, results: xr.Dataset, m
     header = ("algorithm", "seed", "verdict", "failure probability", "realised", *map(escape, _NAMES.values()))
     rows = [_row(item, results) for item in found]
     caption = (
-        '<p class="quiet">Regret after the last round, in utility: what happened, against the best policy, and what '
-        "the log proves, against the best policy searched.</p>"
+        '<p class="quiet">Regret after the last round, in utility: what happened, against the best stationary policy '
+        "found, and what the log proves, against the policy named below. The trivial bound cannot fail; the others "
+        "hold together, but for the failure probability.</p>"
     )
     reasons = _listed("Why not", [f"{i.algorithm}, seed {i.seed}: {r}" for i in found for r in i.reasons])
-    notes = _listed("Notes", [note for item in found for note in item.notes])
-    assumed = _listed("What no log can show", [text for item in found for text in item.assumptions])
+    told = "".join(
+        _listed(title, [f"{who}: {sentence}" for kind, sentence, who in shared(found) if kind == wanted])
+        for wanted, title in _TITLES.items()
+    )
     table = table_html(header, rows, "bounds") if rows else ""
-    return f"{verdict}{''.join(unread)}{caption}{table}{reasons}{notes}{assumed}"
+    return f"{verdict}{''.join(unread)}{caption}{table}{reasons}{told}"
 
 
 def _row(item: Certificate, results: xr.Dataset) -> tuple[str, ...]:
     word = '<b class="says">certified</b>' if item.certified else '<b class="problem">not certified</b>'
     bounds = [rounded_up(float(item.bounds[name][-1])) if item.certified else "–" for name in _NAMES]
-    failure = f"{item.failure:.3g}" if item.certified else "–"
+    failure = item.failure_words if item.certified else "–"
     regret = _realised(item.algorithm, item.seed, results)
     realised = f"{regret:.4g}" if np.isfinite(regret) else "–"
     return (escape(item.algorithm), str(item.seed), word, failure, realised, *bounds)

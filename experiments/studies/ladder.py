@@ -123,7 +123,7 @@ def _table(rows: list[dict[str, float]]) -> FloatArray:
 
 
 def _first(rule: Formula, hand_radius: float) -> dict[str, Any]:
-    informative, hand = rule.first(1), rule.first(hand_radius)
+    informative, hand = rule.informative(), rule.first(hand_radius)
     return {"text": rule.text, "informative": informative.value, "hand": hand.value, "words": informative.words}
 
 

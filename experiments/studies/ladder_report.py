@@ -113,7 +113,7 @@ def _formulas(data: xr.Dataset) -> str:
     first = json.loads(data.attrs["first"])
     hand = data.attrs["hand_radius"]
     rows = [(row["text"], f"{row['informative']:,}", f"{row['hand']:,}") for row in first.values()]
-    table = text_table(("a-priori radius", "at most 1 from n =", f"at most {hand:g} from n ="), rows)
+    table = text_table(("a-priori radius", "below 1 from n =", f"at most {hand:g} from n ="), rows)
     certificates = " ".join(row["words"] for row in first.values())
     return f"Radii from formulas (certified by enclosures at n and n - 1):\n{table}\n{certificates}"
 

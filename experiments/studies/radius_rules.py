@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -32,6 +33,10 @@ class Formula:
     def first(self, target: float) -> Solution:
         """The smallest n at which the radius is at most ``target``, with its certificates."""
         return solve_for("n", self.bound, target, **self.others)
+
+    def informative(self) -> Solution:
+        """The smallest n at which the radius says something: it is below 1, which a capped radius meets for every n."""
+        return self.first(math.nextafter(1, 0))
 
 
 def formulas(truth: Dynamics, expert: IntArray, delta: float) -> dict[str, Formula]:

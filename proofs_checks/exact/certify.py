@@ -6,6 +6,7 @@ from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
 
+from bridge_theory.arithmetic import flint_balls
 from bridge_theory.arithmetic.balls import BALLS
 from bridge_theory.arithmetic.flint_balls import Ball, ball, working_precision
 from bridge_theory.bound import Bound
@@ -59,7 +60,8 @@ def attained(truth: Number, bound: Bound, **values: Number | tuple[Fraction | in
 
 def value_of(bound: Bound, **values: Number | tuple[Fraction | int, ...]) -> Ball:
     """The bound as a ball at the working precision; parameters may be irrational."""
-    return bound(BALLS, **{k: v if isinstance(v, tuple) else as_ball(v) for k, v in values.items()})
+    value = bound(BALLS, **{k: v if isinstance(v, tuple) else as_ball(v) for k, v in values.items()})
+    return flint_balls.as_ball(value)
 
 
 def scaled(factor: Fraction, bound: Bound, **values: Number | tuple[Fraction | int, ...]) -> Ball:

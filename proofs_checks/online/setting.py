@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from proofs_checks.claim import Claim, Repair
-from proofs_checks.evidence import mutant, proved, refuted
+from proofs_checks.evidence import mutant, proved, proved_step, refuted
 from proofs_checks.online.checks import link
 from proofs_checks.online.evidence import directions, text
 
@@ -14,18 +14,27 @@ _CLOSED_FORM = proved(
     mutant("half the radius", radius=2),
 )
 
+NONNEGATIVE = proved_step(
+    r"$(a - b)^2 \le a^2 + b^2$ for $a, b \ge 0$, so $\lVert a - b\rVert^2 \le 2B^2$ for features without negative "
+    r"coordinates, attained; the formula of the package is $2 + 2\cosh(\sqrt2BW)$",
+    link.nonnegative_difference,
+    mutant("without the first square", share=0),
+)
+
 KAPPA_DIFFERENCES = Repair(
     name="P3",
     title="curvature over feature differences",
     statement=r"On $\lVert x\rVert \le 2B$, $\lVert w\rVert \le W$: $1/\sigma'(\langle w, x\rangle) \le \kappa_2 = "
-    r"2 + 2\cosh(2BW)$, and $\kappa \le \kappa_2 \le \kappa^2$.",
+    r"2 + 2\cosh(2BW)$, and $\kappa \le \kappa_2 \le \kappa^2$. If no feature is negative, $\lVert x\rVert \le "
+    r"\sqrt2B$, so that $2 + 2\cosh(\sqrt2BW)$ serves; neither radius can be smaller.",
     evidence=(
         _CLOSED_FORM,
+        NONNEGATIVE,
         proved(r"$\kappa^2 - \kappa_2 = 4 + 8\cosh(BW)$", link.square_dominates, mutant("constant 5", constant=5)),
     ),
     proof=r"The two features of a comparison have norm at most $B$ each, so their difference has norm at most $2B$. "
     r"Since $\cosh 2x = 2\cosh^2 x - 1$, $\kappa_2 = 4\cosh^2(BW)$.",
-    formulas=("kappa_differences",),
+    formulas=("kappa_differences", "kappa_nonnegative"),
 )
 
 CLAIMS = (
@@ -36,7 +45,7 @@ CLAIMS = (
         verdict="definition",
         statement=r"$\lVert\phi(\tau)\rVert_2 \le B$ for all $\tau$ and $\lVert w^*\rVert_2 \le W$.",
         because="An assumption; every bound on differences follows with $2B$ by the triangle inequality.",
-        evidence=(directions("offline"), text("kappa", "kappa_differences")),
+        evidence=(directions("offline"), text("kappa", "kappa_differences", "kappa_nonnegative")),
     ),
     Claim(
         label="local:kappa",

@@ -6,6 +6,7 @@ from proofs_checks.claim import Claim, Repair
 from proofs_checks.evidence import covered, mutant, proved_step, refuted, unsettled
 from proofs_checks.online.checks import link, weights
 from proofs_checks.online.evidence import directions, text
+from proofs_checks.online.setting import NONNEGATIVE
 
 _MATRIX_STEP = proved_step(
     r"$\kappa g \ge v > 0$ gives $v/g^2 \le \kappa^2/v$: eigenvalue by eigenvalue, $G^{-1}VG^{-1} \preceq "
@@ -22,7 +23,8 @@ R1 = Repair(
     r"\log\frac{\det V_t}{(\kappa\lambda)^d}}.$$ With probability at least $1-\delta_w$, for all $t$ and every $w$ "
     r"with "
     r"$\lVert w\rVert \le W$, however it was found: $\lVert w - w^*\rVert_{V_t} \le \kappa(\beta_t + e_t(w))$ with the "
-    r"computable error $e_t(w) = \lVert g_t(w) - s_t\rVert_{V_t^{-1}}$.",
+    r"computable error $e_t(w) = \lVert g_t(w) - s_t\rVert_{V_t^{-1}}$. If no feature is negative, the same holds with "
+    r"$\kappa = 2 + 2\cosh(\sqrt2BW)$ throughout.",
     assumptions=(
         "features and weights are bounded, answers follow the Bradley-Terry model of the sampled trajectories",
         "features are exact, and every comparison made enters the data matrix",
@@ -41,6 +43,13 @@ R1 = Repair(
             weights.weights_are_covered,
             mutant("a third of beta_t", scale=0.33),
         ),
+        NONNEGATIVE,
+        covered(
+            r"the same with $\kappa = 2 + 2\cosh(\sqrt2BW)$ for differences of features without negative coordinates",
+            weights.weights_are_covered,
+            mutant("a third of beta_t", scale=0.33),
+            nonnegative=True,
+        ),
     ),
     proof=r"The noise $\varepsilon_l = o_l - \sigma(\langle x_l, w^*\rangle)$ is $\frac12$-sub-Gaussian (Hoeffding), "
     r"so "
@@ -51,11 +60,19 @@ R1 = Repair(
     "\n\n"
     r"In the ball, $g_t(w) - g_t(w^*) = G(w - w^*)$ with $G = \lambda I + \sum\alpha_lx_lx_l^\top$, where $\alpha_l$ "
     r"is the "
-    r"mean of $\sigma'$ between two points of modulus at most $2BW$, hence at least $1/\kappa$. So $G \succeq "
+    r"mean of $\sigma'$ between two points of modulus at most $2BW$ ($\sqrt2BW$ if no feature is "
+    r"negative), hence at least $1/\kappa$. So $G \succeq "
     r"V_t/\kappa$, "
     r"$G^{-1}V_tG^{-1} \preceq \kappa^2V_t^{-1}$, and $\lVert w - w^*\rVert_{V_t} \le "
     r"\kappa\lVert g_t(w) - g_t(w^*)\rVert_{V_t^{-1}} \le \kappa(e_t(w) + \beta_t)$.",
-    formulas=("beta_repaired_logdet", "beta_repaired", "confidence_radius_repaired", "kappa_differences"),
+    formulas=(
+        "beta_repaired_logdet",
+        "beta_repaired",
+        "confidence_radius_repaired",
+        "confidence_radius_nonnegative",
+        "kappa_differences",
+        "kappa_nonnegative",
+    ),
 )
 
 _FOURTH_POWER = proved_step(

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from bridge_theory.rounding import rounded_up as decimals_above
+from proofs_checks.verify.comparator import Comparator
 from proofs_checks.verify.enclosed import FloatArray
 
 BOUNDS = ("trivial", "ucb", "width", "hindsight", "best")
@@ -24,11 +25,14 @@ class Certificate:
 
     Args:
         algorithm, seed, rounds: whose.
-        certified: whether the log agrees with itself, so that ``bounds`` hold on the event below.
+        certified: whether the log agrees with itself, so that ``bounds`` hold, each but for its own ``failures``.
         reasons: why not, one sentence each.
+        comparator: what the regret is measured against.
         notes: what limits the bounds, for example a multiplier without a guarantee.
         assumptions: what no log can show.
-        spent: failure probability of each event used.
+        unshown: entries of the log that may be changed without a contradiction to its data, each with what of it is
+            shown, "" for nothing.
+        spent: failure probability of each event that the bounds but ``"trivial"`` use; empty where there are none.
         bounds: for each name of ``BOUNDS`` an array (T,) of upper bounds on :math:`\sum_{l\le t} r_l`, rounded up, in
             utility :math:`\langle\phi, w^*\rangle`; infinite where not available.
         radius, solver_error: (T + 1,) rho_t and e_t of audit R1, rounded up.
@@ -40,8 +44,10 @@ class Certificate:
     rounds: int
     certified: bool
     reasons: tuple[str, ...]
+    comparator: Comparator
     notes: tuple[str, ...]
     assumptions: tuple[str, ...]
+    unshown: dict[str, str]
     spent: dict[str, float]
     bounds: dict[str, FloatArray]
     radius: FloatArray
@@ -53,6 +59,34 @@ class Certificate:
         """Total failure probability of the events used, rounded up."""
         total = sum(map(Fraction, self.spent.values()), start=Fraction(0))
         return float(total) if Fraction(float(total)) >= total else float(np.nextafter(float(total), 2.0))
+
+    @property
+    def failure_words(self) -> str:
+        """That probability as text, its decimals rounded up."""
+        return decimals_above(Fraction(repr(self.failure)))
+
+    @property
+    def failures(self) -> dict[str, float]:
+        """Failure probability of each bound alone: the trivial one cannot fail, the others hold together."""
+        return {name: 0.0 if name == "trivial" else self.failure for name in self.bounds}
+
+    @property
+    def sentences(self) -> dict[str, tuple[str, ...]]:
+        """All that a reader of the bounds must know, by kind."""
+        if not self.certified:
+            return {}
+        nothing = [entry for entry, shown in self.unshown.items() if not shown]
+        partly = [
+            f"of {', '.join(entry for entry, part in self.unshown.items() if part == shown)} "
+            f"the data show no more than {shown}"
+            for shown in dict.fromkeys(filter(None, self.unshown.values()))
+        ]
+        return {
+            "bounds": (self.comparator.sentence,),
+            "note": self.notes,
+            "assuming": self.assumptions,
+            "taken at its word": tuple(partly) + ((f"nothing shows {', '.join(nothing)}",) if nothing else ()),
+        }
 
     def words(self) -> str:
         """The certificate as text; see :func:`table`."""
@@ -66,9 +100,11 @@ class Certificate:
             "rounds": self.rounds,
             "certified": self.certified,
             "reasons": list(self.reasons),
+            "comparator": self.comparator.sentence,
             "notes": list(self.notes),
             "assumptions": list(self.assumptions),
-            "failure": self.failure,
+            "unshown": self.unshown,
+            "failures": self.failures,
             "spent": self.spent,
             "bounds": {name: _finite(values) for name, values in self.bounds.items()},
             "radius": _finite(self.radius),
@@ -85,28 +121,51 @@ def table(certificates: Sequence[Certificate]) -> str:
     """Certificates as text: a row each, then what they rest on, then why some are refused."""
     head = ("seed", "algorithm", "verdict", *BOUNDS, "failure")
     rows = [head] + [
-        (str(c.seed), c.algorithm, "certified", *(rounded_up(c.bounds[name][-1]) for name in BOUNDS), f"{c.failure:g}")
+        (str(c.seed), c.algorithm, "certified", *(rounded_up(c.bounds[name][-1]) for name in BOUNDS), c.failure_words)
         if c.certified
         else (str(c.seed), c.algorithm, "NOT CERTIFIED", *("-" for _ in BOUNDS), "-")
         for c in certificates
     ]
     widths = [max(len(row[i]) for row in rows) for i in range(len(head))]
     lines = ["  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)) for row in rows]
-    lines.append("bounds on the regret after all rounds in utility <phi, w*>, each rounded up")
-    for kind in ("notes", "assumptions"):
-        holders: dict[str, list[str]] = {}
-        for c in certificates:
-            for sentence in getattr(c, kind):
-                if c.algorithm not in holders.setdefault(sentence, []):
-                    holders[sentence].append(c.algorithm)
-        word = {"notes": "note", "assumptions": "assuming"}[kind]
-        lines += [f"{word} ({', '.join(names)}): {sentence}" for sentence, names in holders.items()]
+    lines.append(
+        "bounds on the regret after all rounds in utility <phi, w*>, each rounded up; the trivial one cannot fail, the "
+        "others hold together, but for the failure probability of their row"
+    )
+    lines += [f"{kind} ({holders}): {sentence}" for kind, sentence, holders in shared(certificates)]
     for c in certificates:
         more = len(c.reasons) - _SHOWN_REASONS
         lines += [f"seed {c.seed}, {c.algorithm}: {reason}" for reason in c.reasons[:_SHOWN_REASONS]]
         lines += [f"seed {c.seed}, {c.algorithm}: and {more} more"] if more > 0 else []
     good = sum(c.certified for c in certificates)
     return "\n".join([*lines, f"{good} of {len(certificates)} certified"])
+
+
+def shared(certificates: Sequence[Certificate]) -> list[tuple[str, str, str]]:
+    """Kind, sentence and holders of every sentence, each once: only certificates that have it are named.
+
+    An algorithm alone stands for all its certificates; otherwise their seeds follow it.
+    """
+    seeds: dict[str, list[int]] = {}
+    found: dict[tuple[str, str], dict[str, list[int]]] = {}
+    for c in (c for c in certificates if c.certified):
+        seeds.setdefault(c.algorithm, []).append(c.seed)
+        for kind, sentences in c.sentences.items():
+            for sentence in sentences:
+                found.setdefault((kind, sentence), {}).setdefault(c.algorithm, []).append(c.seed)
+    kinds = list(dict.fromkeys(kind for kind, _ in found))
+
+    def named(algorithm: str, own: list[int]) -> str:
+        if own == seeds[algorithm]:
+            return algorithm
+        return f"{algorithm} seed{'s' if len(own) > 1 else ''} {', '.join(map(str, own))}"
+
+    return [
+        (kind, sentence, ", ".join(named(*item) for item in holders.items()))
+        for wanted in kinds
+        for (kind, sentence), holders in found.items()
+        if kind == wanted
+    ]
 
 
 def rounded_up(value: float) -> str:

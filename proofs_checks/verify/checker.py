@@ -17,11 +17,13 @@ from threadpoolctl import threadpool_limits
 
 from bridge_algos.run.log_file import RunLog
 from bridge_theory.arithmetic.flint_balls import working_precision
-from bridge_theory.errors import ComputationError, InputError
+from bridge_theory.errors import ComputationError
 from proofs_checks.verify.certificate import BOUNDS, Certificate
-from proofs_checks.verify.conditions import assumptions, notes, theory_withheld
+from proofs_checks.verify.comparator import comparator
+from proofs_checks.verify.conditions import assumptions, events, notes, theory_withheld
 from proofs_checks.verify.consistency import contradictions
-from proofs_checks.verify.facts import Facts, configured_algorithms, facts
+from proofs_checks.verify.facts import Facts, facts
+from proofs_checks.verify.header import check_header, unshown
 from proofs_checks.verify.walk import Walk
 
 BITS = 96
@@ -33,45 +35,41 @@ def verify(log: RunLog) -> tuple[Certificate, ...]:
     Raises:
         InputError: when the log is malformed or too large to check.
     """
-    configured = configured_algorithms(log)
-    if not configured or list(log.algorithms) != configured or len(set(configured)) < len(configured):
-        raise InputError(
-            f"the log holds {', '.join(log.algorithms) or 'no algorithm'}, its configuration runs "
-            f"{', '.join(configured) or 'none that can be checked'}; log a run of bridge, bridge-known or pbrl."
-        )
+    check_header(log)
     with threadpool_limits(1):  # small products: threads cost more than they do
-        return tuple(check(facts(log, algorithm)) for algorithm in log.algorithms)
+        return tuple(check(log, facts(log, algorithm)) for algorithm in log.algorithms)
 
 
-def check(given: Facts) -> Certificate:
+def check(log: RunLog, given: Facts) -> Certificate:
     """The certificate of one algorithm of a log."""
     with working_precision(BITS):
         reasons = contradictions(given)
         if reasons:
-            return _certificate(given, reasons, None)
+            return _certificate(log, given, reasons, None)
         walk = Walk(given)
         try:
             walk.run()
         except ComputationError as error:
-            return _certificate(given, [str(error)], None)
-        return _certificate(given, walk.replay.faults, walk)
+            return _certificate(log, given, [str(error)], None)
+        return _certificate(log, given, walk.replay.faults, walk)
 
 
-def _certificate(given: Facts, reasons: list[str], walk: Walk | None) -> Certificate:
+def _certificate(log: RunLog, given: Facts, reasons: list[str], walk: Walk | None) -> Certificate:
     rounds, certified = given.rounds, walk is not None and not reasons
     nothing = {name: np.full(rounds, np.inf) for name in BOUNDS}
     spent: dict[str, float] = {}
     if certified and not theory_withheld(given):
-        delta = float(given.delta)
-        spent = {"weights": delta} if given.known else {"weights": delta, "transitions": delta}
+        spent = {name: float(failure) for name, failure in events(given).items()}
     return Certificate(
         algorithm=given.algorithm,
         seed=given.seed,
         rounds=rounds,
         certified=certified,
         reasons=tuple(reasons),
+        comparator=comparator(given),
         notes=notes(given) if certified else (),
         assumptions=assumptions(given) if certified else (),
+        unshown=unshown(log, given) if certified else {},
         spent=spent,
         bounds=walk.bounds() if walk is not None and certified else nothing,
         radius=np.full(rounds + 1, np.inf) if walk is None else walk.radius,

@@ -2,24 +2,34 @@
 
 from __future__ import annotations
 
-import numpy as np
+from fractions import Fraction
 
-from proofs_checks.verify.consistency import ALL, VERSION_SPACE, best_policy_is_searched
+from proofs_checks.verify.comparator import comparator
+from proofs_checks.verify.consistency import possible
 from proofs_checks.verify.facts import Facts
+
+
+def events(given: Facts) -> dict[str, Fraction]:
+    """Failure probability of each event that every bound but the trivial one uses."""
+    names = ("weights",) if given.known else ("weights", "transitions")
+    return dict.fromkeys(names, given.delta)
 
 
 def theory_withheld(given: Facts) -> list[str]:
     """Why no bound but the trivial one is available, whatever the run did; empty when all are."""
     config = given.configuration
-    answers = given.outcomes
+    total = sum(events(given).values(), start=Fraction(0))
+    counted = bool(given.offline.any())
     reasons = {
         f"the answers come from the oracle {config['oracle']!r}, not from the Bradley-Terry model": config["oracle"]
         != "bradley-terry",
-        "some answers are missing or ties": bool((~np.isin(answers, (0.0, 1.0))).any()),
         f"the fitted slope is {float(given.slope):g}, not the Bradley-Terry model's 1": given.slope != 1,
-        "noise changed the recorded actions, so that counts are not those of the environment": given.algorithm
-        == "bridge"
-        and config.get("noise") != 0,
+        "noise changed the recorded actions, so that counts are not those of the environment": config["noise"] != 0
+        and counted,
+        "the demonstrations pass transitions that the environment excludes": counted
+        and config["noise"] == 0
+        and not possible(given, *given.demonstrations),
+        "the failure probabilities of the events of the other bounds add up to 1 or more": total >= 1,
     }
     return [reason for reason, holds in reasons.items() if holds]
 
@@ -38,22 +48,18 @@ def notes(given: Facts) -> tuple[str, ...]:
 
 def assumptions(given: Facts) -> tuple[str, ...]:
     """What the bounds assume and a log cannot show."""
-    searched = best_policy_is_searched(given)
-    comparator = {
-        ALL: "regret is measured against the best stationary deterministic policy, which is searched because all are",
-        VERSION_SPACE: "the demonstrations come from a best stationary deterministic policy, so that it is searched: "
-        f"{VERSION_SPACE}",
-        None: "regret is measured against the best of the policies searched; a log cannot show how good that is",
-    }
-    general: tuple[str, ...] = ("the utility of a policy is <phi, w*> with ||w*|| <= W", comparator[searched])
+    found = ["the utility of a policy is <phi, w*> with ||w*|| <= W"]
+    if assumed := comparator(given).assumed:
+        found.append(assumed)
     if given.configuration["environment"].endswith(".npz"):
         kept = "dynamics" if given.known else "first states"
-        general += (f"the {kept} in the log are those of its environment's file",)
+        found.append(f"the {kept} in the log are those of its environment's file")
     if theory_withheld(given):
-        return general
+        return tuple(found)
+    counted = " and demonstrations" if given.offline.any() else ""
     return (
-        *general,
+        *found,
         "answers are independent given the trajectories and follow the Bradley-Terry model with w*",
-        "trajectories and demonstrations are fresh, independent draws from the real environment, also the two rollouts "
-        "of a comparison",
+        f"trajectories{counted} are fresh, independent draws from the real environment, also the two rollouts of a "
+        "comparison",
     )

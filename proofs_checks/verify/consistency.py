@@ -1,6 +1,6 @@
 """What a log must satisfy before any bound is computed: each step follows from the log's configuration and data.
 
-Entries that no step shows (how candidates and expert were chosen) are read for the certificate's assumptions only.
+Entries that no step shows are listed by :mod:`proofs_checks.verify.header`.
 """
 
 from __future__ import annotations
@@ -12,11 +12,15 @@ import numpy as np
 
 from bridge_algos.envs.registry import make_mdp
 from bridge_theory.errors import InputError
+from proofs_checks.verify.comparator import (
+    STATIONARY,
+    contradictory,
+    contradictory_steps,
+    disagreeing,
+    version_space_size,
+)
 from proofs_checks.verify.facts import Facts
 from proofs_checks.verify.features import IntArray, approximate_bound
-
-ALL = "all policies are searched"
-VERSION_SPACE = "every policy that agrees with all demonstrations is searched"
 
 BALL_SLACK = 1e-9
 """Relative excess over W that the rounding of a projection may leave."""
@@ -27,8 +31,11 @@ def contradictions(facts: Facts) -> list[str]:
     return [
         *_configuration(facts),
         *_environment(facts),
+        *_demonstrations(facts),
         *_trajectories(facts),
+        *_answers(facts),
         *_weights(facts),
+        *_candidates(facts),
         *_version_space(facts),
     ]
 
@@ -57,7 +64,7 @@ def _environment(facts: Facts) -> list[str]:
     if not isinstance(name, str) or not isinstance(options, dict):
         return ["the configuration names no environment"]
     if name.endswith(".npz"):
-        return []
+        return ["the environment is a file, which takes no options"] if options else []
     n_states, n_actions, _ = facts.kernel.shape
     sizes = {key: size for key, size in options.items() if key.startswith("n_") and isinstance(size, int)}
     more_actions = sizes.pop("n_actions", 0) > n_actions
@@ -75,28 +82,49 @@ def _environment(facts: Facts) -> list[str]:
     return [] if same else [f"the dynamics are not those of the environment {name!r}"]
 
 
+def _demonstrations(facts: Facts) -> list[str]:
+    """Their number, and that a deterministic expert made them, where they are drawn and recorded without noise."""
+    config, faults = facts.configuration, list[str]()
+    if config["demonstrations"] is not None:  # a file may hold anything, and from another environment
+        return faults
+    if config["noise"] == 0 and not possible(facts, *facts.demonstrations):
+        faults.append("a demonstration passes a transition that the environment excludes")
+    found, wanted = len(facts.demonstrations[0]), config["n_demonstrations"]
+    if found != wanted:
+        faults.append(f"the log holds {found} demonstrations, its configuration {reprlib.repr(wanted)}")
+    differ = contradictory if config["expert"] in STATIONARY else contradictory_steps
+    if config["noise"] == 0 and differ(facts):
+        faults.append("the demonstrations contradict each other, though the expert is deterministic")
+    return faults
+
+
 def _trajectories(facts: Facts) -> list[str]:
     faults = []
     for t, (pair, states, actions) in enumerate(zip(facts.pairs, facts.states, facts.actions, strict=True), start=1):
         for i, visited, chosen in zip(pair, states, actions, strict=True):
             if not np.array_equal(facts.policies[i][visited], chosen):
                 faults.append(f"round {t}: a trajectory takes actions that policy {i} does not take")
-            if not _possible(facts, visited, chosen):
+            if not possible(facts, visited, chosen):
                 faults.append(
                     f"round {t}: a trajectory of policy {i} passes a transition that the environment excludes"
                 )
-    config = facts.configuration
-    if config.get("noise") == 0 and not _possible(facts, *facts.demonstrations):
-        faults.append("a demonstration passes a transition that the environment excludes")
-    deterministic = config.get("expert") == "best-stationary" and config.get("demonstrations") is None
-    if deterministic and config.get("noise") == 0 and contradictory(facts):
-        faults.append("the demonstrations contradict each other, though the expert is deterministic")
     return faults
 
 
-def _possible(facts: Facts, states: IntArray, actions: IntArray) -> bool:
+def possible(facts: Facts, states: IntArray, actions: IntArray) -> bool:
+    """Whether the environment allows all trajectories, states and actions (n, H) each."""
     steps = facts.kernel[states[:, :-1], actions[:, :-1], states[:, 1:]]
     return bool((facts.initial[states[:, 0]] > 0).all() and (steps > 0).all())
+
+
+def _answers(facts: Facts) -> list[str]:
+    """Answers that the configured teacher cannot give."""
+    config, outcomes = facts.configuration, facts.outcomes
+    options = config["oracle_options"] if config["oracle"] == "returns" else {}
+    given = np.isin(outcomes, (0.0, 1.0))
+    given |= (outcomes == 0.5) & (options.get("equal_within", 0) > 0)
+    given |= np.isnan(outcomes) & (options.get("skip_below", -np.inf) > -np.inf)
+    return [] if given.all() else [f"the oracle {config['oracle']!r} of the configuration never answers like this"]
 
 
 def _weights(facts: Facts) -> list[str]:
@@ -108,6 +136,21 @@ def _weights(facts: Facts) -> list[str]:
     ]
 
 
+def _candidates(facts: Facts) -> list[str]:
+    """How many policies are searched, where the configuration decides it."""
+    config, found = facts.configuration, len(facts.policies)
+    _, n_states, n_actions, _ = facts.table.places.shape
+    every, limit = n_actions**n_states, config["candidate_limit"]
+    if facts.algorithm == "pbrl":
+        wanted = every if every <= limit else config["search_size"]
+        distinct = len(np.unique(facts.policies, axis=0))
+        if found != wanted or (every <= limit and distinct != every):
+            return [f"the log searches {found} policies, {distinct} of them different, its configuration {wanted}"]
+        return []
+    most = limit if config["candidates"] == "exact" else config["proposals"]
+    return [f"the log searches {found} policies, its configuration at most {most}"] if found > most else []
+
+
 def _version_space(facts: Facts) -> list[str]:
     """Radius zero: exactly the policies that agree with every demonstration.
 
@@ -115,15 +158,13 @@ def _version_space(facts: Facts) -> list[str]:
     which no log shows.
     """
     config, faults = facts.configuration, []
-    if config.get("radius") != "zero" or facts.algorithm == "pbrl" or contradictory(facts):
+    if config["radius"] != "zero" or facts.algorithm == "pbrl" or contradictory(facts):
         return []
-    states, actions = facts.demonstrations
-    wrong = (facts.policies[:, states.ravel()] != actions.ravel()).any(axis=1)
+    wrong = disagreeing(facts)
     if wrong.any():
         faults.append(f"{int(wrong.sum())} of the policies searched do not agree with the demonstrations")
-    _, n_states, n_actions, _ = facts.table.places.shape
-    size, limit = n_actions ** (n_states - len(np.unique(states))), config.get("candidate_limit")
-    if config.get("candidates") == "exact" and isinstance(limit, int) and size <= limit:
+    size = version_space_size(facts)
+    if config["candidates"] == "exact" and size <= config["candidate_limit"]:
         distinct = len(np.unique(facts.policies, axis=0))
         if not size == distinct == len(facts.policies):
             faults.append(
@@ -131,23 +172,3 @@ def _version_space(facts: Facts) -> list[str]:
                 "them different"
             )
     return faults
-
-
-def contradictory(facts: Facts) -> bool:
-    """Whether two demonstrated actions differ in one state."""
-    states, actions = (part.ravel() for part in facts.demonstrations)
-    return bool(len(np.unique(np.stack([states, actions]), axis=1).T) > len(np.unique(states)))
-
-
-def best_policy_is_searched(facts: Facts) -> str | None:
-    """Why the best stationary deterministic policy is surely among the candidates; None where a log cannot show it."""
-    _, n_states, n_actions, _ = facts.table.places.shape
-    distinct = len(np.unique(facts.policies, axis=0))
-    if distinct == n_actions**n_states:
-        return ALL
-    free = n_states - len(np.unique(facts.demonstrations[0]))
-    config = facts.configuration
-    closed = config.get("radius") == "zero" and facts.algorithm != "pbrl" and config.get("noise") == 0
-    if closed and not contradictory(facts) and distinct == n_actions**free:
-        return VERSION_SPACE
-    return None

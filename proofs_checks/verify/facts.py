@@ -18,6 +18,13 @@ from proofs_checks.verify.entries import check_probabilities, count, floats, int
 from proofs_checks.verify.features import Coordinates, IntArray, coordinates
 
 ALGORITHMS = ("bridge", "bridge-known", "pbrl")
+ARRAYS = ("transitions", "initial", "demonstrations/states", "demonstrations/actions")
+"""Arrays that all algorithms of a log share."""
+OWN_ARRAYS = (
+    "policies", "pairs", "states", "actions", "outcomes", "w",
+    "gamma", "log_det", "uncertainty", "bonus", "solver_error", "set_size",
+)  # fmt: skip
+"""Arrays of each algorithm."""
 MOST_PAIRS = 3 * 10**10
 """Pairs of policies that are compared in one log: about ten minutes."""
 MOST_RESIDUALS = 10**7

@@ -21,7 +21,7 @@ from bridge_theory import (
 )
 from bridge_theory.arithmetic import flint_balls
 from bridge_theory.arithmetic.balls import BALLS
-from bridge_theory.arithmetic.flint_balls import ball, box, ends, working_precision
+from bridge_theory.arithmetic.flint_balls import as_ball, ball, box, ends, working_precision
 from bridge_theory.arithmetic.special import log_binomial
 from bridge_theory.enclosure import LAST_BITS, Enclosure, enclose
 from bridge_theory.rounding import rounded_down, rounded_up
@@ -70,10 +70,10 @@ def test_decimal_strings_are_not_binary_floats() -> None:
 def test_undecided_branches_enclose_both(p: int, q: int) -> None:
     low, high = sorted((Fraction(p, 7), Fraction(q, 7)))
     wide = box(low, high)
-    assert BALLS.min(wide, 3).contains(BALLS.min(ball(low), 3))
-    assert BALLS.max(wide, 3).contains(BALLS.max(ball(high), 3))
-    assert BALLS.ceil(wide).contains(ball(math.ceil(low)))
-    assert BALLS.ceil(wide).contains(ball(math.ceil(high)))
+    assert as_ball(BALLS.min(wide, 3)).contains(as_ball(BALLS.min(ball(low), 3)))
+    assert as_ball(BALLS.max(wide, 3)).contains(as_ball(BALLS.max(ball(high), 3)))
+    assert as_ball(BALLS.ceil(wide)).contains(ball(math.ceil(low)))
+    assert as_ball(BALLS.ceil(wide)).contains(ball(math.ceil(high)))
     middle = ball((low + high) / 2)
     chosen = BALLS.if_at_most(wide, middle, lambda: ball(-1), lambda: ball(1))
     assert chosen.contains(-1)

@@ -15,7 +15,7 @@ S, A, H, eta, epsilon, delta, gamma_min, S_reach = 5, 4, 8, 1.25, 0.125, 0.0625,
 delta_w, delta_F, delta_P, delta_M, delta_V = 0.03125, 0.0625, 0.125, 0.25, 0.015625
 K, N, U, Delta, squares, radius, R2, D = 3, 90, 21.5, 0.03125, 11.0, 0.125, 0.0078125, 0.75
 
-k1, k2 = 2 + 2 * cosh(B * W), 2 + 2 * cosh(2 * B * W)
+k1, k2, k3 = (2 + 2 * cosh(factor * B * W) for factor in (1, 2, sqrt(2)))
 
 
 def stated_beta(rounds: int) -> float:
@@ -87,11 +87,13 @@ cells: dict[str, Any] = {"occupancy": [2.5, 1.25, 0.25], "counts": [300, 90, 2]}
 BY_HAND: dict[str, float] = {
     "kappa": k1,
     "kappa_differences": k2,
+    "kappa_nonnegative": k3,
     "beta_t": stated_beta(t),
     "confidence_radius": 2 * k1 * stated_beta(t),
     "beta_repaired_logdet": sqrt(lam / k2) * W + 0.5 * sqrt(2 * log(1 / delta_w) + 3.5),
     "beta_repaired": proved_beta(K * (t - 1)),
     "confidence_radius_repaired": k2 * (sqrt(lam / k2) * W + 0.5 * sqrt(2 * log(1 / delta_w) + 3.5) + 0.75),
+    "confidence_radius_nonnegative": k3 * (sqrt(lam / k3) * W + 0.5 * sqrt(2 * log(1 / delta_w) + 3.5) + 0.75),
     "matrix_shift": 84 * B**2 * d * log((1 + 2 * T) / delta),
     "alpha_dT": alpha,
     "gamma_known": 4 * k1 * stated_beta(t) + alpha,
@@ -208,7 +210,7 @@ def test_every_online_and_regret_formula_is_transcribed() -> None:
         for name, formula in FORMULAS.items()
         if formula.function.__module__.startswith(("bridge_theory.online", "bridge_theory.regret"))
     }
-    assert ours | {"kappa", "kappa_differences"} == set(BY_HAND)
+    assert ours | {"kappa", "kappa_differences", "kappa_nonnegative"} == set(BY_HAND)
 
 
 @pytest.mark.parametrize("name", sorted(BY_HAND))

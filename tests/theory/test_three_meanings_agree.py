@@ -12,8 +12,8 @@ from points import draw_point
 from bridge_theory.arithmetic import flint_balls
 from bridge_theory.arithmetic.balls import BALLS
 from bridge_theory.arithmetic.symbols import SYMBOLS
-from bridge_theory.bound import ball_arguments
 from bridge_theory.catalog import FORMULAS
+from bridge_theory.enclosure import ball_arguments
 from bridge_theory.parameters import parameter
 from bridge_theory.symbolic import symbol_for
 

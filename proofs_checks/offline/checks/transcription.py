@@ -84,6 +84,7 @@ TEXT: Mapping[str, Callable[..., float]] = {
     "offline_radius_known": lambda S, A, n, delta: sqrt(6 * S * log(A / delta) / n),
     "kappa": lambda B, W: 2 + 2 * cosh(B * W),
     "kappa_differences": lambda B, W: 4 * cosh(B * W) ** 2,
+    "kappa_nonnegative": lambda B, W: 4 * cosh(B * W / sqrt(2)) ** 2,
     "concentrability_sharp": _sharp_concentrability,
     "concentrability_deterministic": lambda R, gamma_min: 1 + R / gamma_min,
     "row_error_at_step": lambda R: R * (2 - R),
@@ -109,7 +110,7 @@ TEXT: Mapping[str, Callable[..., float]] = {
         sum((d + d_hat) * h for d, d_hat, h in zip(occupancy, occupancy_hat, row_errors, strict=True)) / 2
     ),
     "trajectory_error_one_sided": lambda occupancy, row_errors: (
-        3 * sum(d * h for d, h in zip(occupancy, row_errors, strict=True))
+        297 * sum(d * h for d, h in zip(occupancy, row_errors, strict=True)) / 100
     ),
     "transition_kl_budget": lambda S, counts, delta: _budget(S, counts, delta),
     "trajectory_kl": lambda S, counts, ratio, delta: ratio * _budget(S, counts, delta),

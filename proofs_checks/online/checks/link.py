@@ -39,6 +39,25 @@ def largest_at_the_end(*, sign: int = 1) -> Outcome:
     )
 
 
+def nonnegative_difference(*, share: int = 1) -> Outcome:
+    """||a - b||^2 <= ||a||^2 + ||b||^2 for a, b >= 0, by coordinate, attained; and kappa at sqrt(2) B."""
+    import sympy
+
+    import bridge_theory as theory
+    from bridge_theory.symbolic import symbol_for
+    from proofs_checks.smt import prove, reals
+    from proofs_checks.symbolic import identity
+
+    a, b = reals("a b")
+    B, W = symbol_for("B"), symbol_for("W")
+    first, second = sympy.Matrix([B, 0]), sympy.Matrix([0, B])
+    return together(
+        prove("one coordinate", [a >= 0, b >= 0], (a - b) * (a - b) <= share * a * a + b * b),
+        identity("attained by B e_1 and B e_2", (first - second).dot(first - second), (1 + share) * B**2),
+        identity("kappa", theory.kappa_nonnegative.expression(), 2 + 2 * sympy.cosh(sympy.sqrt(2) * B * W)),
+    )
+
+
 def square_dominates(*, constant: int = 4) -> Outcome:
     """kappa^2 - kappa_2 = 4 + 8 cosh(BW) > 0."""
     import sympy

@@ -98,12 +98,16 @@ def _covered(H: float, eta: float, log_covering: float, n: float, gamma_min: flo
 ONLINE: Mapping[str, Callable[..., float]] = {
     "kappa": _kappa,
     "kappa_differences": _steep,
+    "kappa_nonnegative": lambda B, W: _steep(B / sqrt(2), W),
     "beta_t": _beta,
     "confidence_radius": lambda B, W, lam, d, t, delta: 2 * _kappa(B, W) * _beta(B, W, lam, d, t, delta),
     "beta_repaired_logdet": _width,
     "beta_repaired": lambda B, W, lam, d, t, K, delta_w: _closed(B, W, lam, d, K * (t - 1), delta_w),
     "confidence_radius_repaired": lambda B, W, lam, delta_w, log_det_ratio, residual: (
         _steep(B, W) * (_width(B, W, lam, delta_w, log_det_ratio) + residual)
+    ),
+    "confidence_radius_nonnegative": lambda B, W, lam, delta_w, log_det_ratio, residual: (
+        _steep(B / sqrt(2), W) * (_width(B / sqrt(2), W, lam, delta_w, log_det_ratio) + residual)
     ),
     "matrix_shift": lambda B, d, T, delta: 84 * B**2 * d * log((1 + 2 * T) / delta),
     "alpha_dT": _alpha,

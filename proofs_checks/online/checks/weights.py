@@ -68,10 +68,11 @@ def small_products(*, largest: str = "7/10") -> Outcome:
     return prove_positive("sqrt 2 kappa - kappa_2", gap, {"x": (0, Fraction(largest))})
 
 
-def weights_are_covered(context: Context, *, scale: float = 1.0) -> Outcome:
+def weights_are_covered(context: Context, *, scale: float = 1.0, nonnegative: bool = False) -> Outcome:
     """||g_t(w*) - s_t|| <= beta_t in the inverse data matrix, for all t, against adaptive comparisons."""
     runs, rounds, lam = context.pick(quick=300, full=2000), 60, 0.5
-    rng, kappa = context.rng(), float(theory.kappa_differences.estimate(B=1, W=1))
+    B = 1 / np.sqrt(2) if nonnegative else 1.0  # half the largest difference of two features
+    rng, kappa = context.rng(), float(theory.kappa_differences.estimate(B=B, W=1))
     w = _directions(rng, runs)
     matrix, deviation = np.tile(kappa * lam * np.eye(2), (runs, 1, 1)), -lam * w
     failed = np.zeros(runs, dtype=bool)
@@ -80,10 +81,11 @@ def weights_are_covered(context: Context, *, scale: float = 1.0) -> Outcome:
         size = np.sqrt(np.einsum("ri,rij,rj->r", deviation, inverse, deviation))
         ratio = np.linalg.slogdet(matrix)[1] - 2 * np.log(kappa * lam)
         width = theory.beta_repaired_logdet.estimate(
-            B=1, W=1, lam=lam, delta_w=float(_DELTA), log_det_ratio=np.maximum(ratio, 0)
+            B=B, W=1, lam=lam, delta_w=float(_DELTA), log_det_ratio=np.maximum(ratio, 0)
         )
         failed |= size > scale * width
-        x = 2 * _adaptive(inverse, deviation, rng)
+        x = _adaptive(inverse, deviation, rng)
+        x = _of_nonnegative(x) if nonnegative else 2 * x
         mean = 1 / (1 + np.exp(-(x * w).sum(axis=1)))
         answer = rng.random(runs) < mean
         deviation = deviation + (answer - mean)[:, None] * x
@@ -119,6 +121,12 @@ def _clipped_estimate(total: np.ndarray, rounds: int, x: float, lam: float, W: f
 def _directions(rng: np.random.Generator, runs: int) -> np.ndarray:
     angle = rng.random(runs) * 2 * np.pi
     return np.stack([np.cos(angle), np.sin(angle)], axis=1)
+
+
+def _of_nonnegative(unit: np.ndarray) -> np.ndarray:
+    """The longest difference of two vectors of norm at most 1 without negative coordinates, in each direction."""
+    opposed = unit[:, 0] * unit[:, 1] < 0
+    return np.where(opposed[:, None], unit / np.abs(unit).max(axis=1, keepdims=True), unit)
 
 
 def _adaptive(inverse: np.ndarray, deviation: np.ndarray, rng: np.random.Generator) -> np.ndarray:

@@ -1,0 +1,120 @@
+"""A wrong line in the source of the checker, or of the comparison, makes a test fail: the tests named beside it.
+
+That they pass on the source as it is, the suite itself shows.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+
+HONEST = "test_honest_logs_are_certified.py"
+HEADERS = "test_headers_are_held_against_the_data.py"
+EXACT = "test_certificates_are_exact.py"
+COMPARED = "test_comparison_with_theory.py"
+SEQUENCES = "test_confidence_sequences_cover.py"
+
+ALONE = (HONEST, "hypothesis_alone")
+DECIDES = (HONEST, "decides_the_comparator")
+CONTRADICTED = (HEADERS, "what_the_data_contradict")
+
+MUTANTS: dict[str, tuple[str, str, str, tuple[str, str]]] = {
+    "a teacher of returns is accepted": (
+        "proofs_checks.verify.conditions", '!= "bradley-terry"', '== "nobody"', ALONE,
+    ),
+    "any slope is accepted": ("proofs_checks.verify.conditions", "given.slope != 1", "given.slope < 0", ALONE),
+    "noise leaves the counts as they are": (
+        "proofs_checks.verify.conditions", 'config["noise"] != 0', 'config["noise"] < 0', ALONE,
+    ),
+    "failure probabilities add up to anything": (
+        "proofs_checks.verify.conditions", "total >= 1", "total > 2", ALONE,
+    ),
+    "noise keeps the claim of the version space": (
+        "proofs_checks.verify.comparator", '        and config["noise"] == 0\n', "", DECIDES,
+    ),
+    "a file keeps it": ("proofs_checks.verify.comparator", 'and config["demonstrations"] is None', "", DECIDES),
+    "any expert keeps it": (
+        "proofs_checks.verify.comparator", 'config["expert"] == "best-stationary"', "True", DECIDES,
+    ),
+    "any embedding keeps it": ("proofs_checks.verify.comparator", 'and config["embedding"] in LINEAR', "", DECIDES),
+    "best bounds accumulate forwards": (
+        "proofs_checks.verify.regret", "np.minimum.accumulate(best[::-1])[::-1]", "np.minimum.accumulate(best)",
+        (EXACT, "best_bound_is_all"),
+    ),
+    "best bounds do not look ahead": (
+        "proofs_checks.verify.regret", "np.minimum.accumulate(best[::-1])[::-1]", "best", (EXACT, "best_bound_is_all"),
+    ),
+    "sentences are merged by algorithm": (
+        "proofs_checks.verify.certificate", "if own == seeds[algorithm]:", "if own:", (HONEST, "sentences_belong"),
+    ),
+    "any number of demonstrations": ("proofs_checks.verify.consistency", "if found != wanted:", "if found < 0:",
+                                     CONTRADICTED),
+    "experts differ with themselves": (
+        "proofs_checks.verify.consistency", 'if config["noise"] == 0 and differ(facts):', "if False:", CONTRADICTED,
+    ),
+    "teachers answer anything": (
+        "proofs_checks.verify.consistency", "if possible.all() else", "if True else", (HEADERS, "teacher_can_give"),
+    ),
+    "violated although the allowed failure explains it": (
+        "experiments.compare.comparison", "chance > allowed", "chance > 0", (COMPARED, "violated_needs"),
+    ),
+    "violated whenever exceeded": (
+        "experiments.compare.comparison", "allowed == 0 or chance > allowed", "True", (COMPARED, "violated_needs"),
+    ),
+    "never violated by chance": (
+        "experiments.compare.comparison", "chance > allowed", "False", (COMPARED, "violated_needs"),
+    ),
+    "bets peek at the observation they bet on": (
+        "experiments.compare.sequence", "[np.full((1, *x.shape[1:]), 0.25), variances[:-1]]", "[variances]",
+        (SEQUENCES, "bets_do_not_depend"),
+    ),
+    "false statements are the best bound": (
+        "experiments.compare.comparison", 'not in ("stated", "stated-sums", "rate") or holds', "!= '' or holds",
+        (COMPARED, "only_what_is_proved"),
+    ),
+    "uncounted sets are whole": (
+        "experiments.compare.applicability",
+        'bool((subject.results["offline_set_count"] <= config.candidate_limit).all())',
+        'not bool((subject.results["offline_set_count"] > config.candidate_limit).any())',
+        (COMPARED, "may_be_a_sample"),
+    ),
+}  # fmt: skip
+"""Module, a line of it, what becomes of that line, and a test file with the words that pick its tests."""
+
+PROGRAM = """
+import importlib.abc, importlib.util, pathlib, sys
+import pytest
+
+name, old, new, *arguments = sys.argv[1:]
+path = pathlib.Path(name.replace(".", "/") + ".py").resolve()
+source = path.read_text()
+assert source.count(old) == 1, f"{path} holds {old!r} {source.count(old)} times"
+
+class Mutated(importlib.abc.SourceLoader):
+    def get_filename(self, fullname): return str(path)
+    def get_data(self, given): return source.replace(old, new).encode()
+
+class Finder(importlib.abc.MetaPathFinder):
+    def find_spec(self, fullname, *_):
+        return importlib.util.spec_from_loader(name, Mutated()) if fullname == name else None
+
+sys.meta_path.insert(0, Finder())
+sys.exit(pytest.main(["-x", "-q", "-p", "no:cacheprovider", *arguments]))
+"""
+
+
+def outcome(module: str, old: str, new: str, tests: tuple[str, str]) -> int:
+    """Exit status of pytest: 0 when all pass, 1 when one fails; anything else, such as no test, is no verdict."""
+    file, words = tests
+    command = [sys.executable, "-c", PROGRAM, module, old, new, str(ROOT / "tests" / file), "-k", words]
+    return subprocess.run(command, cwd=ROOT, capture_output=True, check=False).returncode
+
+
+@pytest.mark.parametrize("name", MUTANTS)
+def test_a_mutant_of_the_source_is_noticed(name: str) -> None:
+    assert outcome(*MUTANTS[name]) == 1

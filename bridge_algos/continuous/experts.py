@@ -39,6 +39,8 @@ def load_expert(source: str | Path, environment: Environment) -> MlpPolicy:
             f"{source} may be a pickle, which can run any program when it is loaded; load it yourself in Python and "
             "pass policy_from_module(module) to the rollouts."
         )
+    elif path.exists():
+        raise InputError(f"{source} is a file of another kind, expected a .safetensors file or an SB3 .zip.")
     else:
         known = ", ".join(SHIPPED)
         raise InputError(

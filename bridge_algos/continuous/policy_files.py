@@ -64,7 +64,8 @@ def load_policy(path: str | Path) -> MlpPolicy:
     source = Path(path)
     safetensors = need("safetensors")
     if not source.is_file():
-        raise InputError(f"{path} does not exist; give the path of a policy's .safetensors file.")
+        lacking = "is a directory" if source.is_dir() else "does not exist"
+        raise InputError(f"{path} {lacking}; give the path of a policy's .safetensors file.")
     try:
         with safetensors.safe_open(source, framework="numpy") as handle:
             header = handle.metadata() or {}

@@ -59,7 +59,8 @@ class Row:
         verdict: see :func:`compare`.
         exceeded: seeds whose regret is above the value.
         chance: lower end of the 95 % confidence sequence for the probability that a run's regret is above the value.
-        ledger: label of the ledger's claim that the statement is false, "" where there is none.
+        ledger: label of the ledger's claim that the statement is false, "" where there is none; None where the ledger
+            is not installed.
         violated_from: first round drawn from which on the violation is certified; None where it is not.
     """
 
@@ -69,7 +70,7 @@ class Row:
     verdict: Verdict
     exceeded: int
     chance: float
-    ledger: str
+    ledger: str | None
     violated_from: int | None
 
 

@@ -58,6 +58,7 @@ def _cells(row: Row) -> tuple[str, ...]:
     formula = row.formula
     false = refuted(formula.source)
     status = f'{formula.status}, <b class="problem">false</b>' if false else formula.status
+    doubtful = false or (false is None and formula.status == "stated")
     link = row_anchor(formula.source)
     source = f"<code>{escape(formula.source)}</code>"
     name = f"{escape(formula.title)}<br>" + (f'<a href="#{link}">{source}</a>' if link else source)
@@ -68,7 +69,7 @@ def _cells(row: Row) -> tuple[str, ...]:
     value = row.value
     trivial = "–" if value.trivial is None else value.trivial.at_most
     undecided = "–" if value.trivial is None else "not decided"
-    yes = "claims to" if false else '<b class="says">yes</b>'
+    yes = "claims to" if doubtful else '<b class="says">yes</b>'
     says = {None: undecided, True: '<span class="empty">no</span>', False: yes}[value.vacuous]
     return (name, f'<span title="{escape(str(value.enclosure))}">{value.enclosure.at_most}</span>', trivial, says,
             status)  # fmt: skip

@@ -110,7 +110,3 @@ def _chosen(options: argparse.Namespace) -> list[Claim]:
 
 def _wanted(item: Standing, statuses: list[str]) -> bool:
     return not statuses or item.claim.verdict in statuses or item.strongest in statuses
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))

@@ -33,8 +33,8 @@ def draw_beside(axes_regret: Any, axes_size: Any, curves: dict[str, Any]) -> Non
     The legend says where their regret has another unit.
     """
     rounds = np.arange(1, curves["rounds"] + 1)
+    unit = " (regret in its own unit)" if "stopped" in curves else ""
     for axes, key, floor in ((axes_regret, "cumulative_regret", -np.inf), (axes_size, "policy_set_size", 1.0)):
-        unit = " (own unit)" if "stopped" in curves and key == "cumulative_regret" else ""
         for offset, name in enumerate(ALGORITHMS):
             mean, half = (np.array(curves[name][key][entry]) for entry in ("mean", "ci95_half_width"))
             axes.errorbar(

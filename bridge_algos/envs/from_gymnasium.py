@@ -101,7 +101,7 @@ def _opened(environment: Any) -> Any:
     try:
         return gymnasium.make(environment)
     except (gymnasium.error.DependencyNotInstalled, ImportError) as error:
-        raise InputError(f"{environment!r} needs a package that is not installed ({error}).") from None
+        raise InputError(f"Gymnasium cannot make {environment!r} without a package ({error}); install it.") from None
     except gymnasium.error.Error as error:
         raise InputError(f"Gymnasium cannot make {environment!r} ({error}); give an id that it knows.") from None
 

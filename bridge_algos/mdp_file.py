@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -40,7 +41,9 @@ def load_mdp(source: str | Path) -> TabularMDP:
     """
     if str(source).lower() in mdp_names():
         return make_mdp(str(source))
-    if not Path(source).exists():
+    if not os.path.exists(source):
+        if not str(source).endswith(".npz"):
+            return make_mdp(str(source))  # says why there is none
         raise InputError(f"{source} is neither a file nor one of the environments {', '.join(mdp_names())}.")
     arrays = read_arrays(source, REQUIRED)
     names = {key: tuple(arrays[key].ravel().tolist()) for key in ("state_names", "action_names") if key in arrays}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import importlib.util
 import json
 import os
 import shutil
@@ -16,13 +15,12 @@ from bridge_theory.cli.options import Parser
 from bridge_theory.errors import InputError
 from proofs_checks.claim import MEANING, Claim
 from proofs_checks.evidence import STRENGTH
-from proofs_checks.ledger import all_evidence, claims, matching
+from proofs_checks.ledger import all_evidence, claims, matching, missing_engines
 from proofs_checks.record import record
 from proofs_checks.run import jobs_for, run_all
 from proofs_checks.standing import Standing, standing
 from proofs_checks.terminal import closing, table
 
-_ENGINES = ("z3", "hypothesis", "latex2mathml")
 _TOPICS = ("setting", "offline", "hellinger", "online", "regret", "experiments")
 
 
@@ -88,9 +86,8 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _require_engines() -> None:
-    missing = [name for name in _ENGINES if importlib.util.find_spec(name) is None]
-    if missing:
-        raise InputError(f"check needs {', '.join(missing)}; install them with: pip install 'bridge-rl[checks]'")
+    if missing := missing_engines():
+        raise InputError(f"check needs {', '.join(missing)}; install them with: pip install 'bridge-rl[checks]'.")
 
 
 def _check_numbers(options: argparse.Namespace) -> None:
@@ -113,7 +110,3 @@ def _chosen(options: argparse.Namespace) -> list[Claim]:
 
 def _wanted(item: Standing, statuses: list[str]) -> bool:
     return not statuses or item.claim.verdict in statuses or item.strongest in statuses
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import importlib.util
 import pkgutil
 from collections.abc import Iterator
 from functools import cache
@@ -12,7 +13,14 @@ from bridge_theory.errors import InputError
 from proofs_checks.claim import Claim, Repair
 from proofs_checks.evidence import Evidence
 
+ENGINES = ("z3", "hypothesis", "latex2mathml")
+"""Packages of the extra ``checks``, without which the claims cannot be loaded."""
 _ROOMS = ("proofs_checks.offline", "proofs_checks.online", "proofs_checks.apparatus")
+
+
+def missing_engines() -> tuple[str, ...]:
+    """The engines that are not installed; the extra ``checks`` has them."""
+    return tuple(name for name in ENGINES if importlib.util.find_spec(name) is None)
 
 
 @cache

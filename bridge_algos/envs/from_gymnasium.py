@@ -100,7 +100,9 @@ def _opened(environment: Any) -> Any:
         raise InputError(f"environment is {environment!r}, expected a Gymnasium environment or the id of one.")
     try:
         return gymnasium.make(environment)
-    except (gymnasium.error.Error, ImportError) as error:
+    except (gymnasium.error.DependencyNotInstalled, ImportError) as error:
+        raise InputError(f"Gymnasium cannot make {environment!r} without a package ({error}); install it.") from None
+    except gymnasium.error.Error as error:
         raise InputError(f"Gymnasium cannot make {environment!r} ({error}); give an id that it knows.") from None
 
 

@@ -53,16 +53,23 @@ def exact_replay(subject: Subject) -> Replay | None:
     return None
 
 
-def refuted_label(source: str) -> str:
-    """The label under which the ledger holds the statement to be false; "" when it does not."""
-    from proofs_checks.ledger import claims
+def refuted_label(source: str) -> str | None:
+    """The label under which the ledger holds the statement to be false, "" when it does not.
 
+    None where the ledger's engines, the extra ``checks``, are not installed.
+    """
+    from proofs_checks.ledger import claims, missing_engines
+
+    if missing_engines():
+        return None
     return next((claim.label for claim in claims() if claim.label == source and claim.verdict == "false"), "")
 
 
 def holds(source: str) -> bool:
-    """Whether the ledger holds every claim under a label to be true."""
-    from proofs_checks.ledger import claims
+    """Whether the ledger holds every claim under a label to be true; no, where its engines are not installed."""
+    from proofs_checks.ledger import claims, missing_engines
 
+    if missing_engines():
+        return False
     verdicts = [claim.verdict for claim in claims() if claim.label == source]
     return bool(verdicts) and all(verdict.startswith("true") for verdict in verdicts)

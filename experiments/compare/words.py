@@ -68,6 +68,11 @@ def words(comparison: Comparison) -> str:
     sentences += [sentence for row in comparison.rows if (sentence := _row_sentence(comparison, row))]
     sentences += _for_scale([row for row in comparison.rows if row.curve.missing and row.verdict in _UNDECIDED])
     sentences += [f"'{item.label}' is left out: {item.reason.rstrip('.')}." for item in comparison.left_out]
+    if any(row.ledger is None for row in comparison.rows):
+        sentences.append(
+            "Which of the stated bounds are false in general is not told here: the ledger needs pip install "
+            "'bridge-rl[checks]'."
+        )
     shown = ", ".join(f"{name} = {value}" for name, value in comparison.setting.items())
     sentences.append(f"Settings: {shown}; each event of a bound may fail with probability delta.")
     return " ".join(sentences)

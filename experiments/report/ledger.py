@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import re
 from collections import Counter
 from functools import cache
@@ -10,6 +9,7 @@ from html import escape
 from typing import Any
 
 from experiments.report.text import table_html
+from proofs_checks.ledger import missing_engines
 
 _HEADER = ("statement", "verdict", "why", "repaired by")
 ANCHOR = "ledger"
@@ -18,7 +18,7 @@ ANCHOR = "ledger"
 @cache
 def available() -> bool:
     """Whether the engines that the ledger loads are installed."""
-    return all(importlib.util.find_spec(name) is not None for name in ("z3", "hypothesis", "latex2mathml"))
+    return not missing_engines()
 
 
 def row_anchor(source: str) -> str | None:
@@ -30,11 +30,12 @@ def row_anchor(source: str) -> str | None:
     return f"{ANCHOR}-{anchor(source)}" if source in _labels() else None
 
 
-def refuted(source: str) -> bool:
-    """Whether the ledger holds a label's statement to be false."""
+def refuted(source: str) -> bool | None:
+    """Whether the ledger holds a label's statement to be false; None where its engines are not installed."""
     from experiments.compare.ledger import refuted_label
 
-    return available() and bool(refuted_label(source))
+    label = refuted_label(source)
+    return None if label is None else bool(label)
 
 
 def link_labels(html: str) -> str:

@@ -19,8 +19,8 @@ from bridge_algos.run.summary import Mean, cumulative, mean_of, mean_over_seeds,
 from experiments.studies.mujoco import COMPARED, SEARCHES, TITLES, both_searches, configured, joined
 
 _PAIR = (
-    "they compare the greedy policy with a random one, as the paper says of all its runs, where this study and the "
-    "published run of figure 2 on Reacher compare the widest pair"
+    "they compare the greedy policy with a random one, as the paper says of all its runs and as the data of the "
+    "published run of figure 2 on Reacher show, where this study compares the widest pair"
 )
 DEPARTURES = {
     "radius": [_PAIR],

@@ -128,7 +128,7 @@ class Learner:
 
     Args:
         name: bridge, bridge-known or pbrl.
-        policies: (N, S) candidate policies: the offline set, or PbRL's search space.
+        policies: (N, S) candidate policies, all different: the offline set, or PbRL's search space.
         counts: (S, A, S) transition counts to start from; None where the dynamics are known.
         confidence: multiplier gamma_t, bonuses and data matrix; see :mod:`bridge_algos.online.confidence`.
         pair_rule: how the pair is chosen.
@@ -163,6 +163,12 @@ class Learner:
             raise InputError(f"fit is {self.fit!r}, expected one of {', '.join(FITS)}.")
         if self.policies.ndim != 2 or not len(self.policies):
             raise InputError(f"policies has shape {self.policies.shape}, expected (N, S) with at least one policy.")
+        distinct = len(np.unique(self.policies, axis=0))
+        if distinct < len(self.policies):  # else a policy could be compared with itself
+            raise InputError(
+                f"policies holds {len(self.policies)} rows but {distinct} different policies, expected each once; pass "
+                "numpy.unique(policies, axis=0)."
+            )
 
 
 @dataclass(frozen=True, eq=False)

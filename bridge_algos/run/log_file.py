@@ -39,7 +39,9 @@ from bridge_algos.files import atomic_write
 from bridge_algos.npz import read_arrays
 from bridge_theory.errors import InputError
 
-FORMAT = "bridge-rl log 1"
+FORMAT = "bridge-rl log 2"
+"""Changes whenever an entry or a rule of a run gets another meaning: since 2 no policy is compared with itself while
+another one is left."""
 
 
 @dataclass(frozen=True, eq=False)

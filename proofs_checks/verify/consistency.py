@@ -29,6 +29,7 @@ def contradictions(facts: Facts) -> list[str]:
         *_environment(facts),
         *_trajectories(facts),
         *_weights(facts),
+        *_repetitions(facts),
         *_version_space(facts),
     ]
 
@@ -106,6 +107,13 @@ def _weights(facts: Facts) -> list[str]:
         f"round {t + 1}: the weights have norm {norms[t]:.6g}, above W = {float(facts.weight_bound):.6g}"
         for t in outside
     ]
+
+
+def _repetitions(facts: Facts) -> list[str]:
+    distinct = len(np.unique(facts.policies, axis=0))
+    if distinct == len(facts.policies):
+        return []
+    return [f"the log searches {len(facts.policies)} policies, {distinct} of them different, which no run does"]
 
 
 def _version_space(facts: Facts) -> list[str]:

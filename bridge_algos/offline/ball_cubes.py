@@ -65,7 +65,8 @@ def ball_cubes(dynamics: Dynamics, center: Policy, squared_radius: float) -> Cub
         if work > WORK_LIMIT:
             raise InputError(
                 f"listing the ball of radius {squared_radius**0.5:g} over {n_states} states takes more than "
-                f"{WORK_LIMIT:.0e} multiplications; use rejection sampling or a radius nearer to 0 or 1."
+                f"{WORK_LIMIT:.0e} multiplications; find members of it with chain_sample, or take a radius nearer to 0 "
+                "or 1."
             )
         fits = _hit(dynamics, center, out | undecided) <= limit
         found.append((out[fits], np.broadcast_to(undecided, (int(fits.sum()), n_states))))

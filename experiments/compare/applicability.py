@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bridge_algos.run.candidates import EXHAUSTIVE
 from bridge_algos.run.config import RADII
 from bridge_algos.run.world import EXPELLED, HAND_SET, caveats
 from experiments.compare.subject import Subject
@@ -60,7 +61,7 @@ def _of_the_search(subject: Subject) -> list[str]:
         found.append("the expert is not certified to be the best policy")
     elif world.expert.policy.ndim == 2:
         found.append("the expert is time-dependent, so that the best stationary policy may disagree with it")
-    if config.candidates != "exact" or bool((subject.results.offline_set_count > config.candidate_limit).any()):
+    if not bool(subject.results.search_way.isin(EXHAUSTIVE).all()):
         found.append("only a sample of the offline set was searched")
     if config.radius not in RADII:
         found.append(HAND_SET)

@@ -75,13 +75,12 @@ def figures(data: xr.Dataset) -> dict[str, Any]:
             axes.axvline(published.mean, color="0.5", linewidth=1)
         for offset, reading in zip((0.22, 0.0, -0.22), READINGS, strict=True):
             totals = [total(data, label, name, reading) for label in labels]
-            axes.errorbar(
-                [each.mean for each in totals],
+            plots.draw_means(
+                axes,
+                totals,
                 heights + offset,
-                xerr=[each.half_width for each in totals],
                 fmt=MARKS[reading],
                 markersize=4,
-                capsize=2,
                 color=plots.STYLES[name]["color"],
                 markerfacecolor="none" if reading == "fresh" else None,
                 label=READINGS[reading],

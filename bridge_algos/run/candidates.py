@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -89,6 +91,17 @@ def _distinct(*parts: IntArray) -> IntArray:
     """The rows of some batches, each once, where it stands first."""
     together = np.concatenate(parts)
     return np.asarray(together[np.sort(np.unique(together, axis=0, return_index=True)[1])])
+
+
+def recorded(search: dict[str, Candidates]) -> dict[str, Any]:
+    """What a result keeps of the searches of its algorithms: variables along ``algorithm``, with units."""
+    kept = list(search.values())
+    return {
+        "searched": ("algorithm", [len(found.policies) for found in kept], {"units": "policies"}),
+        "search_way": ("algorithm", [found.way for found in kept], {"units": "name", "meanings": json.dumps(WAYS)}),
+        "accepted": ("algorithm", [float(found.accepted) for found in kept], {"units": "proposals"}),
+        "chain_sweeps": ("algorithm", [float(found.sweeps) for found in kept], {"units": "sweeps"}),
+    }
 
 
 def sentence(found: Candidates) -> str:

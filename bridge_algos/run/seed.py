@@ -15,7 +15,7 @@ from bridge_algos.evaluation import expected_return, expected_returns
 from bridge_algos.hellinger import squared_hellinger
 from bridge_algos.offline.policy_set import PolicySet
 from bridge_algos.online.loop import Learner, OnlineProblem, run_online
-from bridge_algos.run.candidates import WAYS, Candidates
+from bridge_algos.run.candidates import Candidates, recorded
 from bridge_algos.run.config import RunConfig
 from bridge_algos.run.dataset import constant_record, seed_dataset
 from bridge_algos.run.learners import make_learner
@@ -88,10 +88,7 @@ def _run_seed(config: RunConfig, world: World, seed: int, log: Log | None) -> xr
     }
     return seed_dataset(config, seed, records, scalars, attributes).assign(
         best_candidate=("algorithm", list(best.values()), {"units": "reward per trajectory below the expert"}),
-        searched=("algorithm", [len(found.policies) for found in search.values()], {"units": "policies"}),
-        search_way=("algorithm", [found.way for found in search.values()], {"meanings": json.dumps(WAYS)}),
-        accepted=("algorithm", [float(found.accepted) for found in search.values()], {"units": "proposals"}),
-        chain_sweeps=("algorithm", [float(found.sweeps) for found in search.values()], {"units": "sweeps"}),
+        **recorded(search),
     )
 
 

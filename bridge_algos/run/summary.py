@@ -130,7 +130,7 @@ def table(results: xr.Dataset) -> str:
         regrets = [str(final(results, kind, name)) for kind in kinds]
         rows.append((name, *regrets, str(size), *([_milliseconds(own)] if timed else [])))
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
-    lines = [f"{results.attrs['title']}, after {rounds} rounds ({_reading(seeds)})"]
+    lines = [f"{results.attrs['title']}, after {rounds} rounds ({reading(seeds)})"]
     lines += [
         "  ".join(
             cell.ljust(width) if i == 0 else cell.rjust(width)
@@ -147,13 +147,18 @@ def table(results: xr.Dataset) -> str:
     return "\n".join(lines)
 
 
-def _reading(seeds: int) -> str:
+def reading(seeds: int) -> str:
     """How the numbers of a table are to be read."""
     if seeds == 1:
         return "one seed"
     if seeds < SHOWN_SEEDS:
         return f"mean over {seeds} seeds, and each seed"
     return f"mean over {seeds} seeds with its 95 % interval"
+
+
+def spread_words(seeds: int) -> str:
+    """What stands behind the means of a text: half-widths, or the seeds where they are few."""
+    return "mean ± 95 % half-width over seeds" if seeds >= SHOWN_SEEDS else "mean over seeds, and each seed"
 
 
 def _milliseconds(own: xr.Dataset) -> str:

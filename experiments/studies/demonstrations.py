@@ -18,7 +18,7 @@ from bridge_algos.mdp import FloatArray
 from bridge_algos.run.config import preset
 from bridge_algos.run.interval import interval
 from bridge_algos.run.plots import STYLES, finish
-from bridge_algos.run.summary import Mean, lowest_regret, mean_of, mean_over_seeds, verdict
+from bridge_algos.run.summary import Mean, lowest_regret, mean_of, mean_over_seeds, reading, verdict
 from bridge_algos.run.world import build_world
 from bridge_theory.bound import Bound
 from bridge_theory.cli.table import text_table
@@ -218,8 +218,8 @@ def words(data: xr.Dataset) -> str:
     lines = [
         f"{settings['environment']}, {preset_text(settings)}:",
         f"{_MEASURES[settings['measure']]} after T = {last} rounds of {data.comparisons.values[0]} comparisons, in "
-        f"reward (the expert returns {float(data.expert_return[0]):.2f} a round); mean ± 95 % half-width over "
-        f"{data.sizes['seed']} seeds",
+        f"reward (the expert returns {float(data.expert_return[0]):.2f} a round); "
+        f"{reading(data.sizes['seed'])}",
         text_table(
             ("n", *(STYLES[name]["label"] for name in algorithms)),
             [(str(n), *(str(_last(data, settings["measure"], name, n)) for name in algorithms)) for n in data.n.values],

@@ -10,7 +10,7 @@ import xarray as xr
 
 from bridge_algos.mdp import FloatArray
 from bridge_algos.run.plots import STYLES, draw_means, finish
-from bridge_algos.run.summary import Mean, mean_of, mean_over_seeds
+from bridge_algos.run.summary import Mean, mean_of, mean_over_seeds, spread_words
 from experiments.published import ALGORITHMS, agreeing_rounds, agrees, published_curves
 
 BASE = "as documented"
@@ -47,7 +47,7 @@ def agreeing_rounds_of(data: xr.Dataset, variant: str, algorithm: str) -> tuple[
 def _table(data: xr.Dataset) -> list[str]:
     rounds = data.sizes["round"]
     lines = [
-        "Total suboptimality after the last round (mean ± 95 % half-width over seeds), its paired difference to the "
+        f"Total suboptimality after the last round ({spread_words(data.sizes['seed'])}), its paired difference to the "
         f"documented settings, and in how many of {rounds} rounds regret / |Pi_t| agree with the published curves:",
         "",
         f"{'':<54}{'BRIDGE':>15}{'effect':>17}{'rounds':>9}{'PbRL':>18}{'effect':>17}{'rounds':>9}",

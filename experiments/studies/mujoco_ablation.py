@@ -16,7 +16,7 @@ import xarray as xr
 
 from bridge_algos.mdp import FloatArray
 from bridge_algos.run import plots
-from bridge_algos.run.summary import cumulative, mean_of, share
+from bridge_algos.run.summary import cumulative, mean_of, share, spread_words
 from experiments.studies.mujoco import COMPARED, SEARCHES, TITLES, both_searches, configured, joined
 
 _PAIR = (
@@ -102,7 +102,7 @@ def _figure(data: xr.Dataset, search: str) -> Any:
 def words(data: xr.Dataset) -> str:
     """Final regret with 95 % intervals, and what the offline set holds, for each variation."""
     settings = json.loads(data.attrs["settings"])
-    lines = [f"{settings['seeds']} seeds, {data.sizes['round']} rounds; mean ± 95 % half-width over seeds."]
+    lines = [f"{settings['seeds']} seeds, {data.sizes['round']} rounds; {spread_words(settings['seeds'])}."]
     for search in SEARCHES:
         lines += ["", f"{TITLES[search]}:"]
         for label in (str(value) for value in data.variation.values):

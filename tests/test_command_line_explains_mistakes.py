@@ -240,6 +240,7 @@ def test_damaged_mdp_files_are_refused(tmp_path: Path, capsys, monkeypatch) -> N
     assert main(["run", str(path)]) == 2
     assert "expected one whole number" in capsys.readouterr().err
     valid = {"transitions": mdp.transitions, "initial": mdp.initial, "horizon": 8, "reward": mdp.reward}
+    valid["reward_on"] = "arrival"
     np.savez(path, **valid | {"transitions": mdp.transitions + 1j})
     assert main(["run", str(path)]) == 2
     assert "must be arrays of numbers" in capsys.readouterr().err

@@ -29,7 +29,8 @@ def backward_induction(mdp: TabularMDP) -> tuple[IntArray, FloatArray]:
             the optimum.
         values: (H + 1, S) optimal values, the last row zero.
 
-    >>> mdp = TabularMDP(transitions=[[[1, 0], [0, 1]], [[0, 1], [0, 1]]], initial=[1, 0], horizon=2, reward=[0, 1])
+    >>> kernel = [[[1, 0], [0, 1]], [[0, 1], [0, 1]]]
+    >>> mdp = TabularMDP(kernel, [1, 0], horizon=2, reward=[0, 1], axes="state-action", reward_on="arrival")
     >>> backward_induction(mdp)
     (array([[1, 0], [1, 0]]), array([[2., 2.], [1., 1.], [0., 0.]]))
     """
@@ -56,7 +57,8 @@ def policy_iteration(mdp: TabularMDP, discount: float) -> tuple[IntArray, FloatA
         policy: (S,) integers, the lowest of the tied actions.
         values: (S,) its discounted values.
 
-    >>> mdp = TabularMDP(transitions=[[[1, 0], [0, 1]], [[0, 1], [0, 1]]], initial=[1, 0], horizon=2, reward=[0, 1])
+    >>> kernel = [[[1, 0], [0, 1]], [[0, 1], [0, 1]]]
+    >>> mdp = TabularMDP(kernel, [1, 0], horizon=2, reward=[0, 1], axes="state-action", reward_on="arrival")
     >>> policy_iteration(mdp, discount=0.5)
     (array([1, 0]), array([2., 2.]))
     """

@@ -111,7 +111,8 @@ def make_expert(mdp: TabularMDP, kind: str, discount: float = 0.99, solver: str 
         InputError: for an unknown kind, a discount out of range or a solver that is not installed.
         SolverError: when the solver fails or its answer does not stand up to the certificate.
 
-    >>> mdp = TabularMDP(transitions=[[[1, 0], [0, 1]], [[0, 1], [0, 1]]], initial=[1, 0], horizon=3, reward=[0, 1])
+    >>> kernel = [[[1, 0], [0, 1]], [[0, 1], [0, 1]]]
+    >>> mdp = TabularMDP(kernel, [1, 0], horizon=3, reward=[0, 1], axes="state-action", reward_on="arrival")
     >>> print(make_expert(mdp, "best-stationary").describe())
     The best-stationary expert (stationary, by enumeration, optimal) returns 3; no stationary deterministic policy
     returns more: the best stationary deterministic policy returns 3, optimal up to ... by enumeration. The best

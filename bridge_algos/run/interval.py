@@ -40,7 +40,7 @@ def interval(
         InputError: for a mean outside the range.
 
     >>> [round(float(end), 2) for end in interval([1.0, 0.0, 9.0, 2.0, 3.0], low=0)]
-    [3.0, 0.7, 12.94]
+    [3.0, 0.69, 12.96]
     >>> [round(float(end), 2) for end in interval([1.0, 0.0, 9.0, 2.0, 3.0])]
     [3.0, -1.39, 7.39]
     """

@@ -61,7 +61,7 @@ def mean_of(values: ArrayLike, level: float = 0.95, low: float = -np.inf, high: 
         low, high: the range of the number; see :func:`bridge_algos.run.interval.interval`.
 
     >>> str(mean_of([1.0, 2.0, 3.0, 0.0, 9.0])), str(mean_of([1.0, 2.0, 3.0, 0.0, 9.0], low=0.0))
-    ('3.00 ± 4.39', '3.00 [0.70, 12.94]')
+    ('3.00 ± 4.39', '3.00 [0.69, 12.96]')
     >>> str(mean_of([1.0, 2.0, 3.0]))
     '2.00 (1.00, 2.00, 3.00)'
     """

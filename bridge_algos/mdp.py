@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bridge_algos.conventions import settled
+from bridge_algos.given import check_fields
 from bridge_theory.errors import InputError
 
 ROW_SUM_TOLERANCE = 1e-9
@@ -40,6 +41,7 @@ class Dynamics:
     horizon: int
 
     def __post_init__(self) -> None:
+        check_fields(self)
         shape = self.transitions.shape
         if len(shape) not in (3, 4) or shape[-3] != shape[-1]:
             raise InputError(f"a kernel has shape {shape}, expected (S, A, S), or (H - 1, S, A, S) by step.")
@@ -48,6 +50,12 @@ class Dynamics:
                 f"a time-dependent kernel has {shape[0]} steps, expected H - 1 = {self.horizon - 1}: one for each "
                 "transition between the H states of a trajectory."
             )
+
+        if self.initial.shape != shape[-1:]:
+            raise InputError(f"initial has shape {self.initial.shape}, expected ({shape[-1]},), one entry a state.")
+        for name, rows in (("transitions", self.transitions), ("initial", self.initial)):
+            if (np.abs(rows.sum(axis=-1) - 1) > ROW_SUM_TOLERANCE).any():
+                raise InputError(f"{name} has a row that does not sum to 1 within {ROW_SUM_TOLERANCE:g}; normalise it.")
 
     @property
     def n_states(self) -> int:

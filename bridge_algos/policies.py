@@ -11,11 +11,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from bridge_algos.given import checked
 from bridge_algos.mdp import FloatArray
 from bridge_algos.shapes import Policies
 from bridge_theory.errors import InputError
 
 
+@checked
 def action_probabilities(policy: ArrayLike, n_states: int, n_actions: int, horizon: int) -> FloatArray:
     """Any single policy as the array pi_h(a|s) of shape (H, S, A).
 
@@ -58,6 +60,7 @@ def check_actions(policies: NDArray[np.integer], n_actions: int) -> None:
         )
 
 
+@checked
 def all_policies(n_states: int, n_actions: int) -> Policies:
     """All A^S deterministic stationary policies, (A^S, S), the last state's action running fastest."""
     return digits(np.arange(n_actions**n_states), [n_actions] * n_states)
@@ -79,6 +82,7 @@ def digits(numbers: NDArray[np.int64], bases: Sequence[int]) -> NDArray[np.int64
     return written
 
 
+@checked
 def random_policies(n: int, n_states: int, n_actions: int, rng: np.random.Generator) -> Policies:
     """n independent uniform deterministic stationary policies, (n, S)."""
     return rng.integers(n_actions, size=(n, n_states), dtype=np.int64)

@@ -157,10 +157,8 @@ def _whole(name: str, value: Any, least: int = 1) -> int:
 
 
 def _probability(name: str, value: Any) -> float:
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        number = -1.0
+    real = isinstance(value, int | float | np.number) and not isinstance(value, bool | np.complexfloating)
+    number = float(value) if real else -1.0
     if not 0 <= number <= 1:
         raise InputError(f"{name} is {value!r}, expected a probability between 0 and 1.")
     return number

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from bridge_algos.evaluation import expected_next_value
+from bridge_algos.given import check_policy, checked
 from bridge_algos.mdp import FloatArray, IntArray, TabularMDP
 from bridge_theory.errors import InputError
 
@@ -43,6 +44,7 @@ def backward_induction(mdp: TabularMDP) -> tuple[IntArray, FloatArray]:
     return policy, values
 
 
+@checked
 def policy_iteration(mdp: TabularMDP, discount: float) -> tuple[IntArray, FloatArray]:
     r"""An optimal stationary deterministic policy for the discounted return :math:`E \sum_t \gamma^{t-1} r_t`.
 
@@ -77,8 +79,10 @@ def policy_iteration(mdp: TabularMDP, discount: float) -> tuple[IntArray, FloatA
         policy = np.where(improved, better, policy)
 
 
+@checked
 def discounted_values(mdp: TabularMDP, policy: IntArray, discount: float) -> FloatArray:
     """(S,) discounted values of a deterministic stationary policy (S,), by one linear solve."""
+    check_policy("policy", policy, mdp.n_states, mdp.n_actions)
     states = np.arange(mdp.n_states)
     system = np.eye(mdp.n_states) - discount * mdp.transitions[states, policy]
     return np.asarray(np.linalg.solve(system, mdp.expected_reward[states, policy]))

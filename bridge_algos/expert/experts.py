@@ -17,6 +17,7 @@ from bridge_algos.expert.dynamic_programming import backward_induction, discount
 from bridge_algos.expert.linear_program import discounted_program, finite_horizon_program, solve_program
 from bridge_algos.expert.stationary import best_stationary
 from bridge_algos.expert.stationary_optimum import StationaryOptimum
+from bridge_algos.given import checked
 from bridge_algos.mdp import FloatArray, IntArray, TabularMDP
 from bridge_theory.errors import InputError
 
@@ -93,6 +94,7 @@ class Expert:
         )
 
 
+@checked
 def make_expert(mdp: TabularMDP, kind: str, discount: float = 0.99, solver: str = "HIGHS") -> Expert:
     """An optimal policy by one of three criteria, certified.
 

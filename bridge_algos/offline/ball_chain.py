@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bridge_algos.given import checked
 from bridge_algos.hellinger import disagreement_probability
 from bridge_algos.mdp import Dynamics
 from bridge_algos.offline.ball_cubes import ROUNDING_SLACK
@@ -71,8 +72,9 @@ class BallChain:
         self._met = np.flatnonzero(alone > 0)  # the others change no law, and are as free as if they were alone
         self._unmet = np.flatnonzero(alone == 0)
         self._joining = np.flatnonzero((alone > 0) & (alone <= self._limit))
-        where = np.ix_(self._met, np.arange(dynamics.n_actions), self._met)
-        self._dynamics = Dynamics(dynamics.transitions[where], dynamics.initial[self._met], dynamics.horizon)
+        kernel = dynamics.transitions[self._met, center[self._met]][:, None, self._met]  # the centre's only action
+        self._dynamics = Dynamics(kernel, dynamics.initial[self._met], dynamics.horizon)
+        self._only = np.zeros(len(self._met), dtype=np.int64)
         self.disagree: NDArray[np.bool_] = np.zeros((chains, dynamics.n_states), dtype=np.bool_)
         self.work_per_sweep = 2.0 * chains * dynamics.horizon * len(self._joining) * len(self._met) ** 2
 
@@ -85,7 +87,7 @@ class BallChain:
             sets[:, state] = False
             sets[wanted, state] = True
             inside = sets[np.ix_(wanted, self._met)].astype(np.float64)
-            fits = disagreement_probability(self._dynamics, self.center[self._met], inside) <= self._limit
+            fits = disagreement_probability(self._dynamics, self._only, inside) <= self._limit
             sets[wanted, state] = fits
 
     def policies(self, rng: np.random.Generator) -> Policies:
@@ -94,6 +96,7 @@ class BallChain:
         return np.where(self.disagree, (self.center + shift) % self.n_actions, self.center)
 
 
+@checked
 def chain_sample(
     dynamics: Dynamics, center: Policy, squared_radius: float, n: int, rng: np.random.Generator
 ) -> ChainSample:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bridge_algos.given import checked
 from bridge_algos.hellinger import disagreement_probability
 from bridge_algos.mdp import Dynamics, FloatArray, IntArray
 from bridge_algos.shapes import Policy
@@ -45,6 +46,7 @@ class Cubes:
         return [(a - 1) ** differing * a**free for differing, free in pairs]
 
 
+@checked
 def ball_cubes(dynamics: Dynamics, center: Policy, squared_radius: float) -> Cubes:
     """All deterministic stationary policies with H^2 <= r^2 to the centre, as disjoint cubes.
 

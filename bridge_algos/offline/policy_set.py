@@ -11,6 +11,7 @@ from math import prod
 
 import numpy as np
 
+from bridge_algos.given import check_fields, check_policy
 from bridge_algos.hellinger import disagreement_probability
 from bridge_algos.mdp import Dynamics, IntArray
 from bridge_algos.offline.ball_chain import ChainSample, chain_sample
@@ -38,8 +39,8 @@ class PolicySet:
     radius: float
 
     def __post_init__(self) -> None:
-        if not self.radius >= 0:
-            raise InputError(f"the radius is {self.radius}, expected a number of at least 0 (1 keeps every policy).")
+        check_fields(self)
+        check_policy("center", self.center, self.dynamics.n_states, self.dynamics.n_actions)
 
     def distances(self, policies: Policies) -> PerPolicy:
         """Hellinger distances H (not squared) of policies (N, S) to the centre, (N,)."""

@@ -11,12 +11,13 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Any, Protocol, get_args
 
 import numpy as np
 
 from bridge_algos.embeddings import Embedding, SampledEmbedding, expected_features, sampled_features
 from bridge_algos.evaluation import expected_returns, rounding_allowance
+from bridge_algos.given import check_fields, checked
 from bridge_algos.mdp import Dynamics, FloatArray, IntArray, TabularMDP
 from bridge_algos.offline.transitions import add_transitions, estimate_transitions
 from bridge_algos.online.confidence import Confidence, RoundState, pair_visits
@@ -159,6 +160,9 @@ class Learner:
     until_decided: bool = False
 
     def __post_init__(self) -> None:
+        check_fields(self)
+        if self.pair_rule not in get_args(PairRule):
+            raise InputError(f"pair_rule is {self.pair_rule!r}, expected one of {', '.join(get_args(PairRule))}.")
         if self.fit not in FITS:
             raise InputError(f"fit is {self.fit!r}, expected one of {', '.join(FITS)}.")
         if self.policies.ndim != 2 or not len(self.policies):
@@ -201,6 +205,7 @@ RECORDED = (
 """Names of the per-round records, in this order in every result."""
 
 
+@checked
 def run_online(
     problem: Problem,
     learner: Learner,

@@ -13,6 +13,7 @@ import numpy as np
 import scipy.stats
 from numpy.typing import ArrayLike
 
+from bridge_algos.given import checked
 from bridge_algos.mdp import FloatArray
 from bridge_theory.errors import InputError
 
@@ -23,6 +24,7 @@ ROUNDING = 1e-9
 """How far a mean may lie outside its range, relative to the size of both, by rounding alone."""
 
 
+@checked
 def interval(
     values: ArrayLike, low: ArrayLike = -np.inf, high: ArrayLike = np.inf, level: float = 0.95
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -44,9 +46,12 @@ def interval(
     >>> [round(float(end), 2) for end in interval([1.0, 0.0, 9.0, 2.0, 3.0])]
     [3.0, -1.39, 7.39]
     """
-    data = np.asarray(values, dtype=np.float64)
+    given = [np.asarray(part) for part in (values, low, high)]
+    if any(part.dtype.kind not in "iuf" or np.isnan(part).any() for part in given) or not np.isfinite(given[0]).all():
+        raise InputError("values must hold finite numbers, and low and high numbers; give the numbers of the seeds.")
+    data = given[0].astype(np.float64)
     mean = data.mean(axis=0)
-    low, high = (np.broadcast_to(np.asarray(end, dtype=np.float64), mean.shape) for end in (low, high))
+    low, high = (np.broadcast_to(end.astype(np.float64), mean.shape) for end in given[1:])
     slack = ROUNDING * (1 + np.abs(mean))
     if ((mean < low - slack) | (mean > high + slack)).any():
         raise InputError("a mean lies outside the range given for its values; give the range of the quantity.")

@@ -12,6 +12,7 @@ import xarray as xr
 from threadpoolctl import threadpool_limits
 
 from bridge_algos.evaluation import expected_return, expected_returns
+from bridge_algos.given import checked
 from bridge_algos.hellinger import squared_hellinger
 from bridge_algos.offline.policy_set import PolicySet
 from bridge_algos.online.loop import Learner, OnlineProblem, run_online
@@ -27,6 +28,7 @@ from bridge_algos.run.world import World, build_oracle, caveats
 Log = Callable[[Learner, Candidates, dict[str, Any]], None]
 
 
+@checked
 def run_seed(config: RunConfig, world: World, seed: int, log: Log | None = None) -> xr.Dataset:
     """All algorithms of a configuration on one seed.
 

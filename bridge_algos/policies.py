@@ -36,6 +36,8 @@ def action_probabilities(policy: ArrayLike, n_states: int, n_actions: int, horiz
         expected: tuple[tuple[int, ...], ...] = ((n_states,), (horizon, n_states))
         check_actions(array, n_actions)
         probabilities = np.eye(n_actions)[array] if array.shape in expected else array
+    elif array.dtype.kind != "f":
+        raise InputError(f"a policy holds {array.dtype}, expected actions as integers or probabilities as floats.")
     else:
         expected = ((n_states, n_actions), (horizon, n_states, n_actions))
         probabilities = array.astype(np.float64)

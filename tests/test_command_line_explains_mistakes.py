@@ -30,7 +30,7 @@ FAST = ["--seeds", "1", "--rounds", "2", "--jobs", "1"]
         (["run", "starmdp", "--radius", "1" + 400 * "0"], "radius is 1000"),
         (["run", "starmdp", "--radius", "true"], "radius is True"),
         (["run", "starmdp", "--rounds", "0"], "rounds is 0"),
-        (["run", "starmdp", "--seeds", "0"], "seeds is 0"),
+        (["run", "starmdp", "--seeds", "0"], "seeds must be a whole number of at least 1, got 0"),
         (["run", "starmdp", "--jobs", "0"], "jobs is 0"),
         (["run", "starmdp", "--algorithms", "bridge,sac"], "unknown algorithm"),
         (["run", "starmdp", "--algorithms", "bridge,bridge"], "expected each of them once"),

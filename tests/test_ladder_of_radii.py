@@ -73,7 +73,7 @@ def test_sampled_counts_have_the_law_of_trajectories(rng: np.random.Generator) -
     tolerance = (log(2 * len(law) / 1e-6) / (2 * draws)) ** 0.5
     assert 2 * len(law) * exp(-2 * draws * tolerance**2) <= 1.01e-6
     assert max(abs(seen[table] / draws - probability) for table, probability in law.items()) < tolerance
-    with pytest.raises(InputError, match="at least one"):
+    with pytest.raises(InputError, match="n must be a whole number of at least 1"):
         sample_step_counts(dynamics, policy, 0, 1, rng)
 
 

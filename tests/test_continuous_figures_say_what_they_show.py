@@ -84,12 +84,15 @@ def test_published_curves_are_drawn_only_beside_their_own_setting() -> None:
     assert "their stored data are those of the greedy policy against a random one" in text
     assert "theirs sampled ones" in text
     # on two seeds every round's regret is -1, or -2 on the rollouts that chose, which is 0 when clipped
-    assert "bridge: judged on fresh initial states -200.00 ± 0.00, read as published 0.00 ± 0.00" in text
-    seen = data.assign(suboptimality_seen=data.suboptimality_seen + 5)
-    assert "bridge: judged on fresh initial states -200.00 ± 0.00, read as published 600.00 ± 0.00" in mujoco.words(
-        seen
+    assert (
+        "bridge: judged on fresh initial states -200.00 (-200.00, -200.00), read as published 0.00 (0.00, 0.00)" in text
     )
-    assert "published 84.44 ± 23.21, ours 600.00 ± 0.00" in mujoco.words(seen)
+    seen = data.assign(suboptimality_seen=data.suboptimality_seen + 5)
+    assert (
+        "bridge: judged on fresh initial states -200.00 (-200.00, -200.00), read as published 600.00 (600.00, 600.00)"
+        in mujoco.words(seen)
+    )
+    assert "published 84.44 ± 23.21, ours 600.00 (600.00, 600.00)" in mujoco.words(seen)
 
 
 def test_words_name_the_expert_and_what_differs_from_the_published_runs() -> None:
@@ -190,7 +193,7 @@ def test_the_differences_lead_to_the_published_preset(tmp_path: Path) -> None:
     told = mujoco_differences.words(data)
     assert f"not decided by these seeds, paired difference {effect}, on fresh initial states" in told
     data["suboptimality"].loc[{"step": last}] = 2.0
-    assert "no, paired difference 3.00 ± 0.00, on fresh initial states" in mujoco_differences.words(data)
+    assert "no, paired difference 3.00 (3.00, 3.00), on fresh initial states" in mujoco_differences.words(data)
 
 
 def test_a_damaged_result_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -88,6 +88,8 @@ def mdp_from_gymnasium(environment: Any, horizon: int | None = None) -> TabularM
         state_names=tuple(names),
         action_names=_ACTION_NAMES.get(type(table).__name__, ()),
         layout=_layout(table, total),
+        axes="state-action",
+        reward_on="transition",
     )
 
 

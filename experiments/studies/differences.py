@@ -68,7 +68,7 @@ def play(cell: Cell) -> xr.Dataset:
         for i, name in enumerate(ALGORITHMS):
             if name in changes.get("without", []):
                 continue
-            learner = make_learner(name, config, world, stage.offline_set, stage.transitions, seed)
+            learner, _ = make_learner(name, config, world, stage.offline_set, stage.transitions, seed)
             confidence = replace(learner.confidence, **changes.get("confidence", {}))
             learner = replace(learner, confidence=confidence, **changes.get("learner", {}))
             if changes.get("features") == "real":

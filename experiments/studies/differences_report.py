@@ -8,8 +8,8 @@ import numpy as np
 import xarray as xr
 
 from bridge_algos.mdp import FloatArray
-from bridge_algos.run.plots import STYLES, finish
-from bridge_algos.run.summary import Mean, mean_of, mean_over_seeds
+from bridge_algos.run.plots import STYLES, draw_means, finish
+from bridge_algos.run.summary import Mean, mean_of, mean_over_seeds, spread_words
 from experiments.published import ALGORITHMS, agreeing_rounds, published_curves, published_unit
 
 BASE = "as documented"
@@ -39,7 +39,7 @@ def agreeing_sizes(data: xr.Dataset, variant: str, algorithm: str) -> int:
 def _table(data: xr.Dataset) -> list[str]:
     rounds = data.sizes["round"]
     lines = [
-        "Total suboptimality after the last round (mean ± 95 % half-width over seeds), its paired difference to the "
+        f"Total suboptimality after the last round ({spread_words(data.sizes['seed'])}), its paired difference to the "
         f"documented settings, and in how many of {rounds} rounds |Pi_t| agrees with the published one:",
         "",
         f"{'':<54}{'BRIDGE':>15}{'effect':>17}{'|Pi_t|':>9}{'PbRL':>18}{'effect':>17}{'|Pi_t|':>9}",
@@ -113,10 +113,7 @@ def figure(data: xr.Dataset) -> Any:
         mean, half = curve["mean"][-1], curve["ci95_half_width"][-1]
         axes.axvspan(mean - half, mean + half, color=color, alpha=0.18, linewidth=0, label="published, own unit")
         means = [total(data, variant, name) for variant in variants]
-        axes.errorbar(
-            [m.mean for m in means], rows, xerr=[m.half_width for m in means], fmt="o", color=color, markersize=3.5,
-            linewidth=1, label="ours, 95 %",
-        )  # fmt: skip
+        draw_means(axes, means, rows, fmt="o", color=color, markersize=3.5, linewidth=1, label="ours, 95 %")
         base = means[variants.index(BASE)].mean
         axes.axvline(base, color="#444444", linestyle=":", linewidth=0.8, label="our mean as documented")
         axes.set(xlabel="total regret (reward)", yticks=rows, xlim=(0, None), ylim=(-0.7, len(variants) - 0.3))

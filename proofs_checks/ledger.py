@@ -35,11 +35,19 @@ def evidence_by_key() -> dict[str, Evidence]:
 
 
 def all_evidence(claim: Claim) -> Iterator[Evidence]:
-    """The claim's own evidence, then that of its repaired forms and of their formulas."""
+    """The claim's own evidence, then that of its repaired forms, of what they rest on, and of their formulas."""
     yield from claim.evidence
-    for repair in claim.repairs:
+    for repair in resting_on(claim):
         yield from repair.evidence
         yield from formula_evidence(repair)
+
+
+def resting_on(statement: Claim | Repair) -> tuple[Repair, ...]:
+    """The repaired forms that a claim names or that its links use, and those that these use in turn, each once."""
+    named = statement.repairs if isinstance(statement, Claim) else ()
+    direct = (*named, *(part for one in statement.links for part in one.by if isinstance(part, Repair)))
+    found = {repair.name: repair for part in direct for repair in (part, *resting_on(part))}
+    return tuple(found.values())
 
 
 def formula_evidence(repair: Repair) -> tuple[Evidence, ...]:

@@ -37,7 +37,7 @@ def page(standings: Sequence[Standing], reports: Mapping[Job, Report], *, quick:
 
 
 def _top(standings: Sequence[Standing], reports: Mapping[Job, Report], quick: bool) -> str:
-    kinds = Counter(item.strongest for item in standings)
+    kinds = Counter(item.weakest for item in standings)
     verdicts = Counter(item.claim.verdict for item in standings)
     held = {item.key or id(item): item.kind for one in standings for item in all_evidence(one.claim)
             if item_holds(item, reports)}  # fmt: skip
@@ -66,7 +66,7 @@ def _top(standings: Sequence[Standing], reports: Mapping[Job, Report], quick: bo
         '<header class="top"><h1>Is each statement of the paper true?</h1>'
         "<p>Every numbered statement of BRIDGE with its verdict as printed, the evidence that a machine checked, a "
         "counterexample where it is false, and a statement that does hold instead.</p>"
-        '<p class="title">Claims by their strongest evidence, and all pieces of evidence that hold</p>'
+        '<p class="title">Claims by the weakest link of their verdict, and all pieces of evidence that hold</p>'
         f'<div class="counts">{evidence}</div>'
         f'<p class="state{" bad" if problems else ""}">{len(standings)} claims, {"quick" if quick else "full"} run. '
         f"{state}{planted}</p>"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from proofs_checks.claim import Claim
+from proofs_checks.claim import Claim, link
 from proofs_checks.evidence import exact, mutant, proved_step, refuted, unsettled
 from proofs_checks.offline.checks import covering, radius
 from proofs_checks.offline.evidence import text
@@ -149,6 +149,10 @@ CLAIMS = (
         statement=r"$H^2(\hat P^{\pi^*}, P_*^{\pi^*}) \le O(|S|^2|A|\log(nH/\delta)/n)$ with probability $1-\delta$.",
         because=r"""T11 proves it with the constant 4 (for $nH \ge 2$ or $\delta \le 1/2$). The paper's proof rests on
             the two false statements before it and drops $+1$ and $-1$ in the unsafe direction.""",
+        links=(
+            link("the bound with the constant 4", T11),
+            link("the O-form is a quarter of it", "rate_has_unit_constant"),
+        ),
         evidence=(
             *STATED_ERROR,
             exact(

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from proofs_checks.claim import Claim, Repair
+from proofs_checks.claim import Claim, Repair, link
 from proofs_checks.evidence import Evidence, covered, mutant, proved_step, refuted, unsettled
+from proofs_checks.online.bonuses import R6
 from proofs_checks.online.checks import containment, environments
 from proofs_checks.online.evidence import text
+from proofs_checks.online.weights import R1
 
 FAMILIES = ("garnet", "dense garnet", "chain", "starmdp", "gridworld", "frozenlake")
 
@@ -43,6 +45,11 @@ R2 = Repair(
     r"$1 - \delta_{\text{off}} - \delta_w$, and is never empty. With unknown dynamics: $\phi^{\hat P_t}$ for $\phi$, "
     r"$b_t(\pi) + b_t(\pi')$ added on the left, and $\delta_P$ spent too.",
     assumptions=("trajectories come from the real environment", "the offline set contains the best policy"),
+    links=(
+        link("the width covers the weights", R1),
+        link("with unknown dynamics, the bonuses cover the features", R6),
+        link("then no policy is better than the best one beyond width and bonuses", "containment"),
+    ),
     evidence=(_IMPLICATION, *RUNS_KNOWN, *RUNS_UNKNOWN),
     proof=r"On the events of the offline set and of R1: $0 \le \langle\phi^* - \phi', w^*\rangle \le "
     r"\langle\phi^* - \phi', w_t\rangle + \lVert\phi^* - \phi'\rVert_{V_t^{-1}}\lVert w_t - w^*\rVert_{V_t}$. With "
@@ -63,6 +70,12 @@ R4 = Repair(
     r"optimistic advantage over each policy played; and $R_T \le B_{\text{hind}}$, the largest optimistic regret in "
     r"hindsight over $\Pi_{\text{off}}$ with the weights and the matrix after round $T$. Always $R_T \le 2BWT$.",
     assumptions=("containment (R2)", "the width bound needs the exact arg-max pair; the other two do not"),
+    links=(
+        link("the best policy is in every set", R2),
+        link("a round's regret is at most twice the width of the pair played", "regret_from_width"),
+        link("the optimistic bound is below the width", "refined_width"),
+        link("the sums over the rounds, and the bound in hindsight", "good_runs"),
+    ),
     evidence=(
         proved_step(
             r"$r_t \le 2O_t(\pi_t^1, \pi_t^2)$ from $\pi^*, \pi_t^1, \pi_t^2 \in \Pi_t$ and the arg-max",
@@ -153,6 +166,10 @@ CLAIMS = (
         because="The proof turns a constraint of the best policy around; the constraints of the policies played are "
         "needed.",
         assumptions=("containment in every round", r"$\gamma_t$ does not decrease"),
+        links=(
+            link("a round's regret is at most twice the width of the pair played", "regret_from_width"),
+            link("the sum over the rounds, with the last multiplier for all"),
+        ),
         evidence=R4.evidence[:1],
         repairs=(R4,),
         proof=r"The paper reads $\langle\Delta^{*,i}, w\rangle + \gamma\lVert\Delta\rVert \ge 0$ as "

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from proofs_checks.claim import Claim, Repair
+from proofs_checks.claim import Claim, Repair, link
 from proofs_checks.evidence import exact, mutant, proved_step, refuted, unsettled
 from proofs_checks.online.bonuses import R6
 from proofs_checks.online.checks import bonus, companions, containment, offline_gain, transcription
 from proofs_checks.online.checks.transcription_regret import REGRET
 from proofs_checks.online.containment import R4, RUNS_UNKNOWN
-from proofs_checks.online.evidence import directions, text, unbounded
-from proofs_checks.online.known import R3
+from proofs_checks.online.evidence import directions, refuted_order, text, unbounded
+from proofs_checks.online.known import R3, R5
 from proofs_checks.online.matrices import SUPERMARTINGALE
 from proofs_checks.online.offline_gain import R8, R10
 
@@ -25,6 +25,15 @@ R7 = Repair(
     r"\delta_M$, $$R_T \le \min\Bigl\{2BWT\Delta_n,\ 4\kappa\beta_T\sqrt{T\Psi_T} + \Bigl(\frac{4\kappa\beta_TB}"
     r"{\sqrt{\kappa\lambda}} + 2BWH\Bigr)\Gamma_T\Bigr\}.$$",
     assumptions=("exact arg-max pairs after an exact projection", "the events of R1, R2, R5 and R6"),
+    links=(
+        link("the regret from widths and bonuses of the pairs played", R4),
+        link("the widths, as with known dynamics", R5),
+        link("the bonuses bound what the estimate changes", R6),
+        link("radii that are frozen within a round sum to the stated order", "batches"),
+        link("sums of conditional means stay below their sums, for all times", "means_are_dominated"),
+        link("the trivial bound of the offline set", R8),
+        link("Cauchy-Schwarz over the pairs, and the sum of all parts"),
+    ),
     evidence=(
         exact(
             r"radii frozen within a round sum to at most $4m1\{N_{\text{off}}<m\} + "
@@ -73,6 +82,7 @@ CLAIMS = (
         r"T\sqrt{\log(1+T/n)} + "
         r"\sqrt T/\sqrt{n\gamma_{\min}})$.",
         because=r"The ratio grows like $n^{1/4}$.",
+        links=refuted_order("online-simplified-rate"),
         evidence=(refuted("online-simplified-rate"), unbounded("simplified rate", r"as $n \to \infty$ with $T = 100$")),
         repairs=(R7,),
     ),
@@ -84,6 +94,10 @@ CLAIMS = (
         verdict="true, proof wrong",
         statement=r"For fixed $T$ the regret vanishes as $n \to \infty$.",
         because="True for any algorithm that stays in the offline set, by R8; the online stage plays no part in it.",
+        links=(
+            link("the trivial bound of the offline set, which vanishes with $n$", R8),
+            link("for $n \\ge T$ the first term is of the same order", "growth_of_the_first_term"),
+        ),
         evidence=(
             *R8.evidence[:3],
             proved_step(
@@ -236,6 +250,7 @@ CLAIMS = (
         because="Actions without demonstrations cost a constant each; the first term of the lemma before does not "
         "fall with n "
         "either.",
+        links=refuted_order("online-squared-bonus-rate"),
         evidence=(
             refuted("online-squared-bonus-rate"),
             unbounded("squared bonuses", r"as $T \to \infty$ with $2T+1$ actions, where the left side is $4(T-1)$"),
@@ -250,6 +265,7 @@ CLAIMS = (
         statement=r"$\sqrt{T\sum_t\lVert\delta\pi_t\rVert_{\overline V_t^{-1}}} \le \sqrt{T\log(1 + \tilde "
         r"O(\cdot)/d)}$.",
         because=r"The potential bounds the sum of squares, not of norms, and the factor $2d$ is missing.",
+        links=refuted_order("online-term-2"),
         evidence=(
             refuted("online-term-2"),
             unbounded(
@@ -275,6 +291,7 @@ CLAIMS = (
                 name="D.8",
                 title="three squares",
                 statement=r"$\lVert a + b + c\rVert^2 \le 3(\lVert a\rVert^2 + \lVert b\rVert^2 + \lVert c\rVert^2)$.",
+                links=(link("one coordinate", "three_terms"), link("the sum over the coordinates")),
                 evidence=(proved_step("coordinatewise", bonus.three_terms, mutant("factor 2", factor=2)),),
                 proof="Cauchy-Schwarz with three ones.",
             ),
@@ -299,6 +316,7 @@ CLAIMS = (
         verdict="false",
         statement=r"$\sum_{t\le T}\frac{t}{n(n+t)} = O(\min\{T/n, \log T\})$.",
         because=r"The sum is $T/n - (H_{n+T} - H_n)$, of the order $T/n$ when $T$ is larger than $n$.",
+        links=refuted_order("online-drift-sum"),
         evidence=(
             refuted("online-drift-sum"),
             unbounded("drift sum", r"as $T \to \infty$ with $n = 1$, where the sum is at least $T/2$"),

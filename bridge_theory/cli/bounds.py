@@ -21,7 +21,7 @@ from bridge_theory.setting import Setting
 from bridge_theory.value import BoundValue
 
 _HEADER = ("bound", "value", "enclosure", "trivial", "vacuous", "status", "source")
-_GROUPS = ("offline", "online", "regret")
+_GROUPS = ("offline", "online", "regret", "answers")
 
 
 def main(argv: list[str], data: Sequence[BoundValue] = ()) -> int:

@@ -16,7 +16,7 @@ from bridge_theory.setting import Setting
 from experiments.report.ledger import refuted, row_anchor
 from experiments.report.text import table_html
 
-_GROUPS = {"offline": "Offline", "online": "Online", "regret": "Regret, in utility"}
+_GROUPS = {"offline": "Offline", "online": "Online", "regret": "Regret, in utility", "answers": "Certified answers"}
 _OWN = (
     '<p class="quiet">Each bound has assumptions of its own, listed by <code>bridge-rl bounds --explain LABEL</code>; '
     "those from the version space, for example, are about an offline set of radius zero.</p>"

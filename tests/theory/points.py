@@ -30,7 +30,8 @@ def _number(row: Parameter) -> st.SearchStrategy[Any]:
     # multiples of 2^-20 are the same number for all three interpretations
     steps = st.integers(0, int(top * 2**20)).map(lambda k: k / 2**20)
     fine = st.integers(-20, 0).map(lambda k: 2.0**k).map(lambda x: x * top)
-    return (steps | fine).filter(lambda x: row.domain.contains(Fraction(x)))
+    signed = (steps | fine).flatmap(lambda x: st.sampled_from((x, -x))) if low < 0 else steps | fine
+    return signed.filter(lambda x: row.domain.contains(Fraction(x)))
 
 
 def numbers(name: str) -> st.SearchStrategy[Any]:

@@ -253,7 +253,7 @@ def test_catalog_finds_by_name_label_and_group() -> None:
         by_label("offline_radios")
     with pytest.raises(InputError, match="no formula is called 'qqqq'"):
         by_label("qqqq")
-    assert {b.group for b in all_bounds()} == {"offline", "online", "regret"}
+    assert {b.group for b in all_bounds()} == {"offline", "online", "regret", "answers"}
     assert all(b in all_bounds() for b in by_group("regret"))
     assert not set(all_rates()) & set(all_bounds())
 

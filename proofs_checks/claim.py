@@ -10,7 +10,7 @@ from proofs_checks.evidence import Evidence, Kind
 from proofs_checks.search import Search
 
 Verdict = Literal["true", "true, proof wrong", "false", "undefined", "definition", "cited", "open", "empirical"]
-Topic = Literal["setting", "offline", "hellinger", "online", "regret", "experiments"]
+Topic = Literal["setting", "offline", "hellinger", "online", "regret", "answers", "experiments"]
 
 MEANING: dict[Verdict, str] = {
     "true": "holds as printed, under the assumptions listed",
@@ -35,6 +35,10 @@ SETTLED_BY: dict[Verdict, tuple[Kind, ...]] = {
     "open": ("open",),
 }
 """The kinds of evidence of which a verdict needs at least one."""
+
+
+COMPANION = "companion "
+"""Labels of statements that are not the paper's begin so; ``companion G2`` is about what is built here."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +95,7 @@ class Claim:
     """One statement of the paper.
 
     Attributes:
-        label: its name in the map ``bridge_theory.paper``.
+        label: its name in the map ``bridge_theory.paper``, or ``companion G1'`` for a statement of ours.
         name: what it is called in the table, in a few words.
         topic: part of the paper.
         verdict: whether it holds as printed, see ``MEANING``.
@@ -121,7 +125,7 @@ class Claim:
     search: Search | None = None
 
     def __post_init__(self) -> None:
-        paper.entry(self.label)
+        _ = self.kind  # refuses a label that the paper does not have
         needed = SETTLED_BY.get(self.verdict, ())
         if needed and not any(item.kind in needed for item in self.evidence):
             raise TypeError(f"{self.key} is called {self.verdict!r} without evidence; it needs {' or '.join(needed)}")
@@ -131,6 +135,16 @@ class Claim:
             settling = tuple(item for item in self.evidence if item.kind in needed)
             object.__setattr__(self, "links", (_only_link(self.key, self.because, settling),))
         _check_links(self.key, self.links, self.evidence, self.proof)
+
+    @property
+    def kind(self) -> str:
+        """What the paper calls it: theorem, lemma, passage; ``statement`` where it is ours."""
+        return "statement" if self.label.startswith(COMPANION) else paper.entry(self.label).kind
+
+    @property
+    def section(self) -> str:
+        """Label of the section of the paper it stands in."""
+        return "Certified answers" if self.label.startswith(COMPANION) else paper.entry(self.label).section
 
     @property
     def key(self) -> str:

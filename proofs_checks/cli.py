@@ -24,7 +24,7 @@ from proofs_checks.strength import weakest
 from proofs_checks.terminal import closing, table
 
 _ENGINES = ("z3", "hypothesis", "latex2mathml")
-_TOPICS = ("setting", "offline", "hellinger", "online", "regret", "experiments")
+_TOPICS = ("setting", "offline", "hellinger", "online", "regret", "answers", "experiments")
 
 
 def main(argv: list[str]) -> int:

@@ -4,23 +4,31 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
+import re
 from collections.abc import Iterator
 from functools import cache
 
 from bridge_theory import paper
 from bridge_theory.errors import InputError
-from proofs_checks.claim import Claim, Repair
+from proofs_checks.claim import COMPANION, Claim, Repair
 from proofs_checks.evidence import Evidence
 
-_ROOMS = ("proofs_checks.offline", "proofs_checks.online", "proofs_checks.apparatus")
+_ROOMS = ("proofs_checks.offline", "proofs_checks.online", "proofs_checks.answers", "proofs_checks.apparatus")
 
 
 @cache
 def claims() -> tuple[Claim, ...]:
-    """Every claim, in the order of the paper; parts of one statement in the order of their module."""
+    """Every claim, in the order of the paper, then ours; parts of one statement in the order of their module."""
     found = [claim for module in _modules() for claim in getattr(importlib.import_module(module), "CLAIMS", ())]
     order = {name: position for position, name in enumerate(paper.entries())}
-    return tuple(sorted(found, key=lambda claim: (order[claim.label], bool(claim.part))))
+    return tuple(sorted(found, key=lambda claim: (order.get(claim.label, len(order)), *_own(claim), bool(claim.part))))
+
+
+def _own(claim: Claim) -> tuple[int, str]:
+    """The number and the letters of one of our statements: G2, G10 and G10' follow each other."""
+    if not claim.label.startswith(COMPANION):
+        return 0, ""
+    return int("".join(re.findall(r"\d", claim.label))), claim.label
 
 
 def repairs() -> tuple[Repair, ...]:

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from urllib.parse import quote
 
-from bridge_theory import paper
 from proofs_checks.claim import MEANING, Repair
 from proofs_checks.evidence import MEANING as KINDS
 from proofs_checks.evidence import Evidence, Kind
@@ -23,13 +22,12 @@ Reports = Mapping[Job, Report]
 def entry(item: Standing, reports: Reports) -> str:
     """The article of one claim."""
     claim = item.claim
-    known = paper.entry(claim.label)
     part = f' <span class="part">{escape(claim.part)}</span>' if claim.part else ""
     title = claim.name[:1].upper() + claim.name[1:]
     verdict = badge(claim.verdict, MEANING[claim.verdict]) + weakest_badge(item.weakest)
     parts = [
         f'<header><h3><a href="#{anchor(claim.key)}">{escape(title)}</a></h3>{verdict}'
-        f'<p class="where">{escape(known.kind)} <code>{escape(claim.label)}</code>{part}</p></header>',
+        f'<p class="where">{escape(claim.kind)} <code>{escape(claim.label)}</code>{part}</p></header>',
         f'<div class="statement">{paragraphs(claim.statement)}</div>',
         _listed("Assumptions", claim.assumptions),
         f'<div class="because">{paragraphs(claim.because)}</div>',

@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from importlib import resources
 
-from bridge_theory import paper
 from proofs_checks.claim import MEANING as VERDICTS
 from proofs_checks.evidence import MEANING as KINDS
 from proofs_checks.evidence import STRENGTH
@@ -22,7 +21,7 @@ def page(standings: Sequence[Standing], reports: Mapping[Job, Report], *, quick:
     """A complete HTML document that needs nothing else."""
     sections: dict[str, list[str]] = {}
     for item in standings:
-        heading = section_title(paper.entry(item.claim.label).section)
+        heading = section_title(item.claim.section)
         sections.setdefault(heading, []).append(entry(item, reports))
     body = "".join(
         f"<section><h2>{escape(heading)}</h2>{''.join(articles)}</section>" for heading, articles in sections.items()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from proofs_checks.claim import Claim, Repair, link
-from proofs_checks.evidence import exact, mutant, proved_step, refuted, unsettled
+from proofs_checks.evidence import agrees, exact, mutant, proved_step, refuted, unsettled
 from proofs_checks.online.bonuses import R6
 from proofs_checks.online.checks import bonus, companions, containment, offline_gain, transcription
 from proofs_checks.online.checks.transcription_regret import REGRET
@@ -186,12 +186,12 @@ CLAIMS = (
         evidence=(
             text(*REGRET),
             directions("regret"),
-            exact(
+            agrees(
                 "the formulas are defined up to the limits of their statements and not beyond",
                 transcription.edges,
                 mutant("limits in the other direction", shift=-1e-6),
             ),
-            exact(
+            agrees(
                 "trivial values and failure probabilities of the formulas agree with their text",
                 companions.companions,
                 mutant("a thousandth more", factor=1.001),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
@@ -12,7 +11,7 @@ from bridge_algos.run.config import preset
 from experiments.compare.subject import Subject
 from proofs_checks.counterexample import evaluator, on_environment, violated
 
-_BY: defaultdict[str | None, str] = defaultdict(str, cited=" given a cited theorem", text=" by an argument in words")
+_BY = {"cited": " given a cited theorem", "text": " by an argument in words"}
 
 
 @dataclass(frozen=True)
@@ -75,4 +74,4 @@ def false_word(source: str) -> str:
     from proofs_checks.strength import weakest
 
     whole = next((claim for claim in claims() if claim.label == source and not claim.part), None)
-    return f"false{_BY[weakest(whole)]}" if whole is not None and whole.verdict == "false" else ""
+    return f"false{_BY.get(str(weakest(whole)), '')}" if whole is not None and whole.verdict == "false" else ""

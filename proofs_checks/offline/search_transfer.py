@@ -102,8 +102,8 @@ def _instance(weights: Weights) -> dict[str, Any]:
 
 def _search(memory: bool) -> Search:
     return Search(
-        words=r"""with full support $H^2(\hat P^\pi, P_*^\pi) \le H\,C(\pi, \pi^*)\,H^2(\hat P^{\pi^*}, P_*^{\pi^*})$, """
-        + ("for experts that remember" if memory else "for Markov experts, whose rows may change with the step"),
+        words=r"with full support $H^2(\hat P^\pi, P_*^\pi) \le H\,C(\pi, \pi^*)\,H^2(\hat P^{\pi^*}, P_*^{\pi^*})$"
+        + (", for experts that remember" if memory else ", for Markov experts, whose rows may change with the step"),
         kind="offline-full-support",
         left=r"H^2(\hat P^\pi, P_*^\pi)",
         relation="<=",

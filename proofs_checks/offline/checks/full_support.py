@@ -1,4 +1,4 @@
-"""The technical lemma where the expert visits all that the policy visits: what holds, and how a counterexample grows."""
+"""The technical lemma where the expert visits all that the policy visits: what holds, and a growing counterexample."""
 
 from __future__ import annotations
 

@@ -158,7 +158,7 @@ def _only_link(name: str, says: str, evidence: tuple[Evidence, ...]) -> Link:
     alone = len(evidence) == 1 or kinds in ({"refuted"}, {"open"}, {"proved"})
     if not alone or "step proved" in kinds:
         raise TypeError(
-            f"{name} has several pieces of evidence, or a step of a proof; say in its links which part is shown by which"
+            f"{name} has several pieces of evidence, or a step of a proof; say in its links which part each shows"
         )
     return Link(says, tuple(item.handle for item in evidence))
 

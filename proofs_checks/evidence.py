@@ -13,13 +13,13 @@ from proofs_checks.counterexample import Counterexample, load, replay
 from proofs_checks.outcome import Outcome
 
 Kind = Literal[
-    "kernel-checked", "proved", "refuted", "step proved", "exact on instances", "agrees on instances", "covered", "text",
-    "cited", "open",
+    "kernel-checked", "proved", "refuted", "step proved", "exact on instances", "agrees on instances", "covered",
+    "text", "cited", "open",
 ]  # fmt: skip
 
 STRENGTH: tuple[Kind, ...] = (
-    "kernel-checked", "proved", "refuted", "step proved", "exact on instances", "agrees on instances", "covered", "text",
-    "cited", "open",
+    "kernel-checked", "proved", "refuted", "step proved", "exact on instances", "agrees on instances", "covered",
+    "text", "cited", "open",
 )  # fmt: skip
 """The kinds of evidence, strongest first; a refutation settles a statement as a proof does."""
 

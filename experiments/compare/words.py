@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from experiments.compare.comparison import Comparison, Row
+from experiments.compare.ledger import false_word
 from experiments.compare.theory_curves import Curve
 
 _UNDECIDED = ("informative", "vacuous")
@@ -110,7 +111,7 @@ def _row_sentence(comparison: Comparison, row: Row) -> str:
             f"{row.curve.failure:.2g} allows that, or there are too few seeds to tell.{_ledger(row)}"
         )
     if row.curve.kind in ("stated", "stated-sums") and row.ledger:
-        return f"{label} is not violated here, but false in general.{_ledger(row)}"
+        return f"{label} is not violated here, but {false_word(row.ledger)} in general.{_ledger(row)}"
     return ""
 
 

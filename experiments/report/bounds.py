@@ -57,7 +57,7 @@ def _folded(summary: str, rows: list[Row]) -> str:
 def _cells(row: Row) -> tuple[str, ...]:
     formula = row.formula
     false = refuted(formula.source)
-    status = f'{formula.status}, <b class="problem">false</b>' if false else formula.status
+    status = f'{formula.status}, <b class="problem">{false}</b>' if false else formula.status
     link = row_anchor(formula.source)
     source = f"<code>{escape(formula.source)}</code>"
     name = f"{escape(formula.title)}<br>" + (f'<a href="#{link}">{source}</a>' if link else source)

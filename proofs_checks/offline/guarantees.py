@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
-
 from proofs_checks.claim import Claim, link
-from proofs_checks.evidence import exact, mutant, refuted
-from proofs_checks.offline.checks import radius
+from proofs_checks.evidence import refuted
 from proofs_checks.offline.evidence import text
 from proofs_checks.offline.policy_estimation import POLICY_ERROR
 from proofs_checks.offline.repairs_counts import T11

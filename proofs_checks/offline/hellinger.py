@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 from proofs_checks.claim import Claim, Repair, link
-from proofs_checks.evidence import exact, mutant, refuted
+from proofs_checks.evidence import agrees, exact, mutant, refuted
 from proofs_checks.offline.checks import distances, recursion
 from proofs_checks.offline.evidence import coq
 from proofs_checks.offline.repairs_counts import T14
@@ -41,9 +41,14 @@ K5 = Repair(
         _PROVED_RECURSION,
         _RECURSION,
         exact(
-            "stochastic policies, also against the code of bridge_algos",
+            "the product equals the sum over trajectories, for generated stochastic policies",
             recursion.stochastic_policies,
             mutant("nine tenths of every factor", factor=Fraction(9, 10)),
+        ),
+        agrees(
+            "the code of bridge_algos computes the same number to rounding",
+            recursion.stochastic_policies_in_code,
+            mutant("nine tenths of it", factor=0.9),
         ),
     ),
     proof="Group the trajectories by their last state; each factor of the product depends on one step only.",
@@ -81,8 +86,13 @@ CLAIMS = (
         links=(link("the distance is the probability of a disagreement", "disagreement_is_the_distance"),),
         evidence=(
             exact(
-                "generated models; the code of bridge_algos agrees to rounding",
+                "generated models and deterministic policies",
                 recursion.disagreement_is_the_distance,
+                mutant("the first state forgotten", first_state=1),
+            ),
+            agrees(
+                "the code of bridge_algos computes the same number to rounding",
+                recursion.disagreement_in_code,
                 mutant("the first state forgotten", first_state=1),
             ),
             exact(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from proofs_checks.claim import Claim, Repair, link
-from proofs_checks.evidence import cited, covered, exact, mutant, proved, proved_step, refuted
+from proofs_checks.evidence import agrees, cited, covered, exact, mutant, proved, proved_step, refuted
 from proofs_checks.online.checks import bonus, transcription
 from proofs_checks.online.evidence import text
 
@@ -167,7 +167,7 @@ CLAIMS = (
                 "coverage_failure",
                 "covered_bonus",
             ),
-            exact(
+            agrees(
                 "the bonuses of a policy are sums over occupancies and counts",
                 transcription.tables,
                 mutant("a thousandth more", factor=1.001),

@@ -102,6 +102,27 @@ R4 = Repair(
     formulas=("regret_trivial", "regret_diameter", "regret_optimism", "regret_width", "regret_hindsight"),
 )
 
+_IN_EVERY_SET = (
+    r"With probability at least $1 - \delta^{\text{online}}$, $\pi^* \in \Pi_t \subseteq \Pi_{\text{off}}$ for all "
+    r"$t \le T$."
+)
+PRINTED_ALGORITHM = (
+    r"Take the instance of line 8: playing $a$ wins with probability $3/5$, which is worth more than $b$ in "
+    r"expectation, "
+    r"and one demonstration of $a$ was lost, with probability $2/5$. The estimate of that row is certain of "
+    r"losing, and so "
+    r"is every trajectory drawn from it: the row never changes, whatever is played. Its bonus falls with the counts, "
+    r"below the error of the estimate. The answers compare losing with $b$ and teach that $b$ is better than losing, "
+    r"which it is; the width of that comparison shrinks with the number of times it is made, up to logarithms, and "
+    r"while both policies are in the set the pair of both is among those with the largest objective. So there is a "
+    r"round after which the best policy is excluded, and every later round costs $\frac15BW$: the regret is linear in "
+    r"$T$ with probability at least $2/5$, more than $\delta$."
+)
+PRINTED_ALGORITHM_LINKS = (
+    link("the bonus is too small for good, with a probability above $\\delta$", "online-sampling-from-the-estimate"),
+    link("then the best policy is excluded, and every later round costs the same"),
+)
+
 CLAIMS = (
     Claim(
         label="lemma:optimal_policy_containment",
@@ -129,13 +150,28 @@ CLAIMS = (
         label="lem:online_confidence_set",
         name="best policy in every set, unknown dynamics",
         topic="online",
+        verdict="false",
+        statement=_IN_EVERY_SET,
+        because="As printed, for the printed algorithm: with trajectories from the estimate (line 8) the best "
+        "policy is "
+        "excluded with probability 2/5. What is left open is the lemma for trajectories of the real "
+        "environment, see the "
+        "next entry.",
+        links=PRINTED_ALGORITHM_LINKS,
+        evidence=(refuted("online-sampling-from-the-estimate"),),
+        repairs=(R2,),
+        proof=PRINTED_ALGORITHM,
+    ),
+    Claim(
+        label="lem:online_confidence_set",
+        part="repaired algorithm",
+        name="best policy in every set, trajectories of the real environment",
+        topic="online",
         verdict="open",
-        statement=r"With probability at least $1 - \delta^{\text{online}}$, $\pi^* \in \Pi_t \subseteq "
-        r"\Pi_{\text{off}}$ for all "
-        r"$t \le T$.",
+        statement=_IN_EVERY_SET + " Here line 8 of the algorithm samples from the real environment.",
         because="Its proof uses the norm relation of the last round in all rounds, an undefined norm relation, bonuses "
         "without a value at small counts, and a budget of five events where two of them cost "
-        r"$\delta(1 + \log_2T)$; with trajectories from the estimate (algorithm, line 8) its bonus event fails.",
+        r"$\delta(1 + \log_2T)$.",
         evidence=(unsettled("no counterexample is known for trajectories of the real environment"),),
         repairs=(R2,),
     ),

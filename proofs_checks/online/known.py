@@ -105,7 +105,7 @@ R11 = Repair(
             mutant("a tenth more", factor="11/10"),
         ),
         proved_step(
-            r"with $\log 2 \ge 69/100$ the squares of both sides are in order, for all $T$, $D$, $d$, $W$, $\gamma$ (Z3)",
+            r"with $\log 2 \ge 69/100$ the squares of both sides are in order, for all settings (Z3)",
             potential.floor_in_both_cases,
             mutant("3.4 instead of 3.3", share="34/10"),
         ),

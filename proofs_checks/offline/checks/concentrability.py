@@ -49,7 +49,7 @@ def weaker_forms(*, factor: Fraction = Fraction(2)) -> Outcome:
     setting = [c >= 0, s >= 0, r >= 0, g > 0, g <= 1, root2r >= 0, root2r * root2r == 2 * r, r == 1 - c]
     near = [c > 0, q >= 0, g <= c * c, q * q * g == s * s * (1 - g), c * c + s * s == 1]
     claim = prove("g <= (1 - R)^2: below 1 + sqrt(2R)/g", [*setting, *near], (c + q) * (c + q) * g <= g + root2r)
-    beyond = prove("g >= (1 - R)^2: 1/g below 1 + sqrt(2R)/g", [*setting, g >= c * c], 1 <= g + root2r)
+    beyond = prove("g >= (1 - R)^2: 1/g below 1 + sqrt(2R)/g", [*setting, g >= c * c], g + root2r >= 1)
     f = factor.numerator, factor.denominator
     stated = prove(
         "sqrt 2 below the factor",

@@ -139,7 +139,7 @@ def covariance_bounds_compared(*, factor: int = 6) -> Outcome:
     setting = [r >= 0, r <= 1, t >= 0, t * t == r * (2 - r), root2r >= 0, root2r * root2r == 2 * r]
     return together(
         prove("t <= 1/2", [*setting, 2 * t <= 1], 4 * t * (1 - t) <= factor * root2r),
-        prove("t >= 1/2", [*setting, 2 * t >= 1], 1 <= factor * root2r),
+        prove("t >= 1/2", [*setting, 2 * t >= 1], factor * root2r >= 1),
     )
 
 

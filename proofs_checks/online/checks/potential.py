@@ -35,8 +35,8 @@ def factor_two_range(*, edge: str = "2.512862417") -> Outcome:
     low = theory.potential_factor.enclosure(L=1, v=1 / (Fraction(edge)))
     high = theory.potential_factor.enclosure(L=1, v=1 / (Fraction(edge) + Fraction(1, 10**9)))
     tally = Tally()
-    tally.expect(low.upper <= 2, f"c({edge}) = {low} exceeds 2")
-    tally.expect(high.lower > 2, f"c just above {edge} is {high}")
+    tally.expect(Fraction(low.upper) <= 2, f"c({edge}) = {low} exceeds 2")
+    tally.expect(Fraction(high.lower) > 2, f"c just above {edge} is {high}")
     return tally.outcome(f"c(a) = 2 at a in [{edge}, {edge} + 1e-9]")
 
 
@@ -72,11 +72,13 @@ def determinant_recursion(context: Context, *, length: str = "1", slack: int = 1
 
 def one_step_equality(*, factor: str = "1") -> Outcome:
     """In one dimension and for one vector of norm L the potential is attained: no smaller bound is possible."""
+    from proofs_checks.exact.certify import attained
+
     tally = Tally()
     for square in (Fraction(1, 2), Fraction(1), Fraction(40)):
-        bound = theory.elliptical_potential.enclosure(L=2, v=4 / square, d=1, square_sum=4)
-        scaled = float(Fraction(factor)) * bound.upper
-        tally.expect(abs(scaled - float(square)) <= 1e-12 * float(square), f"{scaled} is not {square}")
+        wanted = square / Fraction(factor)
+        same = attained(wanted, theory.elliptical_potential, L=2, v=4 / square, d=1, square_sum=4)
+        tally.expect(same, f"the bound is not {wanted}")
     return tally.outcome("T = d = 1")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from fractions import Fraction
 from itertools import product
 from math import factorial
@@ -113,7 +114,7 @@ def cycle(*, least: Fraction = Fraction(61, 100)) -> Outcome:
     for i in range(3):
         pairs = list(product(laws[i], laws[(i + 1) % 3]))
 
-        def chance(pairs: list[tuple[tuple[Fraction, Fraction], ...]] = pairs) -> Ball:
+        def chance(pairs: Sequence[tuple[tuple[Fraction, Fraction], ...]] = pairs) -> Ball:
             terms = (ball(p * q) / (1 + ball(20 * (b - a)).exp()) for (a, p), (b, q) in pairs)
             return sum(terms, start=ball(0))
 

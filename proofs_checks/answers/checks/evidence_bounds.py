@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
+from functools import partial
 from math import prod
+from typing import Any
 
 import numpy as np
 from flint import acb, arb
 
 import bridge_theory as theory
 from bridge_theory.arithmetic.flint_balls import Ball, ball, working_precision
-from proofs_checks.answers.checks.logistic import fit, rational
+from proofs_checks.answers.checks.logistic import dot, fit, rational
 from proofs_checks.context import Context
 from proofs_checks.exact.certify import at_most, value_of
 from proofs_checks.exact.every import QUICK
@@ -32,14 +34,14 @@ def below_the_evidence(*, price: Fraction = Fraction(1), context: Context = QUIC
         xs = [Fraction(int(rng.integers(-12, 13)), 4) for _ in range(int(rng.integers(3, 20)))]
         lam = Fraction(int(rng.integers(1, 16)), 4)
         m = rational(fit(np.array([[float(x)] for x in xs]), float(lam)))[0]  # near the best; any m is valid
-        s = Fraction(int(rng.integers(2, 9)), 6) / (lam + sum(x * x for x in xs) / 5)
+        s = Fraction(int(rng.integers(2, 9)), 6) / (lam + dot(xs, xs) / 5)
         with working_precision(_BITS):
             whole = _log_evidence(xs, lam)
             divergence = ball(price) * _divergence(m, s, lam)
             exact = _expected(xs, m, s) - divergence
             quadratic = _jaakkola(xs, m, s) - divergence
             at_best = _determinant(xs, m, lam)
-            best_s = 1 / (lam + sum(x * x for x in xs) / 4)
+            best_s = 1 / (lam + dot(xs, xs) / 4)
             own = _expected(xs, m, best_s) - _divergence(m, best_s, lam)
         tally.expect(bool(exact <= whole), f"Q = {exact} exceeds the evidence {whole} for x = {xs}")
         tally.expect(bool(quadratic <= exact), f"Jaakkola-Jordan {quadratic} exceeds {exact}")
@@ -92,7 +94,7 @@ def _jaakkola(xs: list[Fraction], m: Fraction, s: Fraction) -> Ball:
 
 def _determinant(xs: list[Fraction], m: Fraction, lam: Fraction) -> Ball:
     loss = sum((((-ball(x * m)).exp() + 1).log() for x in xs), start=ball(0))
-    growth = ball(1 + sum(x * x for x in xs) / (4 * lam)).log()
+    growth = ball(1 + dot(xs, xs) / (4 * lam)).log()
     return -value_of(
         theory.evidence_loss_logdet, loss=lambda: loss, lam=lam, weight_norm=abs(m), log_det_growth=lambda: growth
     )
@@ -112,17 +114,24 @@ def determinants(*, dimension: int = 0, context: Context = QUICK) -> Outcome:
             [Fraction(int(i == j)) + Fraction(int(rows[:, i] @ rows[:, j])) / (4 * lam) for j in range(d)]
             for i in range(d)
         ]
-        longest = max(int(row @ row) for row in rows)
-        B = Fraction(max(longest, 1) + 1, 2)  # at least half the length of every difference
-        given = {"W": Fraction(3), "lam": lam, "scales": 2, "delta": Fraction(1, 20)}
+        longest = max(1, *(int(row @ row) for row in rows))
+        given: dict[str, Any] = {"W": Fraction(3), "lam": lam, "scales": 2, "delta": Fraction(1, 20)}
+        size = {"d": dimension or d, "t": t, "B": partial(_half_root, longest)}
+        observed = {"log_det_growth": partial(_log_determinant, gram)}
         holds = at_most(
-            lambda gram=gram, given=given: value_of(
-                theory.likelihood_width_logdet, log_det_growth=lambda: ball(_determinant_of(gram)).log(), **given
-            ),
-            lambda d=d, t=t, B=B, given=given: value_of(theory.likelihood_width, d=dimension or d, t=t, B=B, **given),
+            partial(value_of, theory.likelihood_width_logdet, **observed, **given),
+            partial(value_of, theory.likelihood_width, **size, **given),
         )
         tally.expect(holds, f"the determinant of {rows.tolist()} at lambda = {lam} exceeds its trace bound")
     return tally.outcome("log det against its trace bound, in balls on rational determinants")
+
+
+def _half_root(square: int) -> Ball:
+    return ball(square).sqrt() / 2
+
+
+def _log_determinant(matrix: list[list[Fraction]]) -> Ball:
+    return ball(_determinant_of(matrix)).log()
 
 
 def _determinant_of(matrix: list[list[Fraction]]) -> Fraction:

@@ -7,6 +7,7 @@ has one sign everywhere; the sign becomes a polynomial inequality in exponential
 from __future__ import annotations
 
 from fractions import Fraction
+from functools import partial
 from itertools import product
 from typing import Any
 
@@ -101,12 +102,17 @@ def jaakkola_jordan_at_points(*, shift: Fraction = Fraction(0)) -> Outcome:
     tally = Tally()
     for i, j in product(range(-24, 25), range(17)):
         z, xi = Fraction(i, 2), Fraction(j, 2)
-        below = at_most(
-            lambda z=z, xi=xi: value_of(theory.log_sigmoid_lower, margin=z, tangent=xi) + ball(shift),
-            lambda z=z: -(ball(-z).exp() + 1).log(),
-        )
+        below = at_most(partial(_quadratic, z, xi, shift), partial(_log_sigmoid, z))
         tally.expect(below, f"the bound exceeds log sigma at z = {z}, xi = {xi}")
     return tally.outcome("below log sigma on a grid, equal where it touches")
+
+
+def _quadratic(z: Fraction, xi: Fraction, shift: Fraction) -> Ball:
+    return value_of(theory.log_sigmoid_lower, margin=z, tangent=xi) + ball(shift)
+
+
+def _log_sigmoid(z: Fraction) -> Ball:
+    return -(ball(-z).exp() + 1).log()
 
 
 def curvature_inequality(*, power: int = 2) -> Outcome:
@@ -156,13 +162,15 @@ def curvature_at_points(*, share: Fraction = Fraction(1)) -> Outcome:
     for i, j, k in product(range(-6, 7), range(1, 9), range(-4, 5)):
         z, r = Fraction(i), Fraction(j, 2)
         y = r * k / 4
-
-        def below(z: Fraction = z, r: Fraction = r, y: Fraction = y) -> Ball:
-            slope, curvature = -1 / (ball(z).exp() + 1), 1 / (ball(z).exp() + ball(-z).exp() + 2)
-            tangent = (ball(-z).exp() + 1).log() + slope * ball(y)
-            return tangent + curvature * scaled(share, theory.curvature_factor, reach=r) * ball(y * y / 2)
-
         tally.expect(
-            at_most(below, lambda z=z, y=y: (ball(-z - y).exp() + 1).log()), f"the loss is lower at z = {z}, y = {y}"
+            at_most(partial(_log_sigmoid, z + y), partial(_above, z, r, y, share)),
+            f"the loss is lower at z = {z}, y = {y}",
         )
     return tally.outcome("the loss lies above its quadratic on a grid")
+
+
+def _above(z: Fraction, r: Fraction, y: Fraction, share: Fraction) -> Ball:
+    """Minus the quadratic that lies below the loss: it lies above log sigma(z + y)."""
+    slope, curvature = 1 / (ball(z).exp() + 1), 1 / (ball(z).exp() + ball(-z).exp() + 2)
+    quadratic = curvature * scaled(share, theory.curvature_factor, reach=r) * ball(y * y / 2)
+    return _log_sigmoid(z) + slope * ball(y) - quadratic

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from functools import partial
 from math import comb
 
 import numpy as np
@@ -51,7 +52,8 @@ def looks(*, shift: int = 1) -> Outcome:
         spent += delta / k / (k + shift)
         tally.expect(spent == delta * k / (k + 1), f"{k} looks spend {spent}")
         tally.expect(
-            at_most(lambda k=k: value_of(theory.look_delta, look=k, delta_phi=delta), delta / k / (k + 1)), "look"
+            at_most(partial(value_of, theory.look_delta, look=k, delta_phi=delta), delta / k / (k + 1)),
+            f"the formula spends more at look {k}",
         )
     return tally.outcome("all looks together spend no more than delta")
 
@@ -74,7 +76,7 @@ def fresh(context: Context, *, share: float = 1.0) -> Outcome:
 
     Differences are corners of a box around their mean, 20 fresh pairs a session, delta' = 1/5.
     """
-    runs, n, d, delta = context.pick(quick=400, full=3000), 20, 3, Fraction(1, 5)
+    runs, n, d, delta = context.pick(quick=400, full=1000), 20, 3, Fraction(1, 5)
     rng = context.rng()
     mean, m = rng.normal(size=(runs, d)), rng.normal(size=(runs, d)) / 2
     scale, rho = rng.uniform(0.3, 1.5, (runs, d)), rng.uniform(0.5, 2, runs)  # A = diag(1/scale^2)

@@ -257,6 +257,7 @@ def test_identities_are_not_believed_at_points_alone() -> None:
     assert "differ by" in symbolic.identity("sum", x + sympy.Rational(1, 10**20), x).failures[0]
     assert symbolic.identity("hyperbolic", sympy.cosh(2 * x), 2 * sympy.cosh(x) ** 2 - 1).holds
     assert symbolic.identity("constants", sympy.Integer(2), 2).holds
+    assert "differ by" in symbolic.identity("complex", sympy.log(x - 9), sympy.log(x - 9) + sympy.I).failures[0]
     assert not symbolic.identity("constants", sympy.Integer(2), 3).holds
 
 

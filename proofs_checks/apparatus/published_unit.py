@@ -113,7 +113,7 @@ CLAIMS = (
         ),
         evidence=(
             exact(
-                "the best of 1,024 policies returns 34.9577 in that unit, 2 standard errors or less from the logged mean",
+                "the best of 1,024 policies returns 34.9577 there, 2 standard errors from the logged mean at most",
                 best_return,
                 mutant("the discount by steps of 1", step=1),
                 mutant("the reward of the state arrived in", left=False),

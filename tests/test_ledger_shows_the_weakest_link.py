@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from html import escape
 from typing import Any
 
 import pytest
@@ -166,7 +167,7 @@ def test_the_list_the_counts_and_the_report_tell_it(capsys: pytest.CaptureFixtur
             f"{one.key}  ({one.verdict}" + (f"; {kind})" if kind not in (None, one.verdict) else ")")
         )
         if one.verdict.startswith("true"):
-            row = page.split(f"<code>{one.key}</code>")[1].split("</tr>")[0]
+            row = page.split(f"<code>{escape(one.key)}</code>")[1].split("</tr>")[0]
             assert f">{kind}</span>" in row, one.key
     lines = verdict_lines((one.verdict, weakest(one)) for one in claims())
     assert all(line in page for line in lines)

@@ -116,7 +116,7 @@ def determinants(*, dimension: int = 0, context: Context = QUICK) -> Outcome:
         ]
         longest = max(1, *(int(row @ row) for row in rows))
         given: dict[str, Any] = {"W": Fraction(3), "lam": lam, "scales": 2, "delta": Fraction(1, 20)}
-        size = {"d": dimension or d, "t": t, "B": partial(_half_root, longest)}
+        size: dict[str, Any] = {"d": dimension or d, "t": t, "B": partial(_half_root, longest)}
         observed = {"log_det_growth": partial(_log_determinant, gram)}
         holds = at_most(
             partial(value_of, theory.likelihood_width_logdet, **observed, **given),

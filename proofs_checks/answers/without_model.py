@@ -21,7 +21,7 @@ CLAIMS = (
         r"within "
         r"$|\hat p_t - p| \le \sqrt{\log((t + 1)\text{pairs}/\delta)/(2t)}$. A winner need not exist: under one "
         r"utility, three candidates "
-        r"can each be preferred to the next with more than .61.",
+        r"whose utilities lie far apart (here up to 80 nats) can each be preferred to the next with more than .61.",
         because="A bet at the true chance is a fair game, its uniform mixture is a martingale in closed form, and "
         "the closed form has a "
         "simple bound.",

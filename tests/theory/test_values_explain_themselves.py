@@ -7,6 +7,7 @@ from fractions import Fraction
 from typing import Any
 
 import pytest
+from points import ANSWERS
 
 import bridge_theory
 from bridge_theory import (
@@ -20,6 +21,7 @@ from bridge_theory import (
     regret_trivial,
     transition_error_rate,
 )
+from bridge_theory.bound import Bound
 from bridge_theory.bound import bound as make_bound
 from bridge_theory.catalog import all_bounds, all_rates, by_group, by_label
 from bridge_theory.core import Arithmetic, Value, bound, falls, least, total
@@ -352,3 +354,14 @@ def test_a_failure_beyond_float64_leaves_no_probability() -> None:
     point = {"S": 5, "A": 4, "H": 8, "n": 1, "T": 10, "K": 1, "Delta_n": 0, "delta_P": "0.05", "delta_M": "0.05"}
     value = bridge_theory.radius_sum_covered.value(S_reach=10**400, gamma_min="0.1", **point)
     assert value.words.startswith("With probability at least 0, ")
+
+
+@pytest.mark.parametrize("formula", by_group("answers"), ids=lambda formula: formula.name)
+def test_every_formula_about_answers_says_its_value_in_words(formula: Bound) -> None:
+    setting = {"d": 2, "t": 40, "B": 1, "W": 2, "lam": "0.5", "delta": "0.05", "delta_phi": "0.05"} | ANSWERS
+    value = formula.value(**{name: setting[name] for name in formula.parameters})
+    assert value.enclosure.narrow
+    shown = {value.enclosure.at_most, value.enclosure.at_least}
+    assert any(number in value.words for number in shown)
+    spent = "With probability at least 0.95, " if formula.spends else ""
+    assert value.words.startswith(spent)

@@ -72,7 +72,7 @@ def bold_forecasts(*, mass: Fraction = Fraction(1)) -> Outcome:
     return tally.outcome(f"the worst of all forecasts on a grid fails with probability {worst} = delta")
 
 
-def false_certificates(*, chosen_after: bool = False, empty_counts: bool = False, context: Context = QUICK) -> Outcome:
+def false_certificates(*, chosen_after: bool = False, context: Context = QUICK) -> Outcome:
     """Any asker, any stopping, any recommendation: a gap certified too small happens with probability at most delta.
 
     Gaps are at most log 2; utilities are logarithms of rationals, so that gaps are compared exactly.
@@ -86,7 +86,7 @@ def false_certificates(*, chosen_after: bool = False, empty_counts: bool = False
         def wrong(counts: Counts, truth: int = truth, losses: list[list[Fraction]] = losses) -> bool:
             inside = [k for k in range(len(game.weights)) if game.likelihood(k, counts) >= DELTA * evidence(counts)]
             if not inside:  # the answers contradict the model: no certificate
-                return empty_counts
+                return False
             return any(max(losses[k][i] for k in inside) <= limit < losses[truth][i] for i in range(len(game.policies)))
 
         found = worst_chance(_chances(game, truth), context.pick(quick=7, full=11), wrong)
@@ -103,15 +103,14 @@ def _ratios(game: Game) -> list[list[Fraction]]:
 
 def refutations(*, against: int | None = None, context: Context = QUICK) -> Outcome:
     """The mixture of tables and evidence over the best weights refutes a true model with probability at most delta."""
-    game, tally = GAME, Tally()
-    worst = Fraction(0)
+    game, tally, worst = GAME, Tally(), Fraction(0)
+
+    @cache
+    def refuted(counts: Counts) -> bool:
+        inside = game.best(counts) if against is None else game.likelihood(against, counts)
+        return (tables(counts) + game.mixture(counts)) / 2 * DELTA >= inside
+
     for truth in range(len(game.weights)):
-
-        @cache
-        def refuted(counts: Counts) -> bool:
-            inside = game.best(counts) if against is None else game.likelihood(against, counts)
-            return (tables(counts) + game.mixture(counts)) / 2 * DELTA >= inside
-
         found = worst_chance(_chances(game, truth), context.pick(quick=8, full=12), refuted)
         worst = max(worst, found)
         tally.expect(found <= DELTA, f"weights {truth} are refuted with probability {float(found):.4f}")

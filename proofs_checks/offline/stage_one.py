@@ -12,7 +12,7 @@ from proofs_checks.offline.policy_estimation import POLICY_CONSTANT
 from proofs_checks.offline.repairs_counts import T10, T11, T12, T13, T14
 from proofs_checks.offline.repairs_policy import T7, T8, T9, T9_ANGLE, T9_DETERMINISTIC
 from proofs_checks.offline.repairs_trajectory import STATED_CONCENTRABILITY, STATED_CONCENTRABILITY_LINKS, T5
-from proofs_checks.online.evidence import unbounded
+from proofs_checks.online.evidence import FAMILY, refuted_order, unbounded
 
 _DETERMINISTIC = "the expert is deterministic and stationary, the kernel stationary"
 
@@ -111,10 +111,8 @@ CLAIMS = (
         verdict="false",
         statement=r"The radius scales as $O(1/\sqrt n)$.",
         because=r"$\log n$ stands inside $\beta$: the order is $\sqrt{\log(nH)/n}$.",
-        links=(
-            link("$\\sqrt n$ times the radius rises between two sample sizes", "offline-radius-rate"),
-            link("it rises without bound, so that no constant serves", "unbounded"),
-        ),
+        links=refuted_order("offline-radius-rate"),
+        proof=FAMILY["offline radius"],
         evidence=(
             refuted("offline-radius-rate"),
             unbounded("offline radius", r"as $n \to \infty$: $\sqrt n$ times the radius is at least $\beta$"),

@@ -6,7 +6,7 @@ from proofs_checks.claim import Claim, Repair, link
 from proofs_checks.evidence import covered, exact, mutant, proved, proved_step, refuted
 from proofs_checks.online.checks import containment, offline_gain, potential
 from proofs_checks.online.containment import R4
-from proofs_checks.online.evidence import refuted_order, text, unbounded
+from proofs_checks.online.evidence import FAMILY, refuted_order, text, unbounded
 from proofs_checks.online.matrices import SUPERMARTINGALE, SUPERMARTINGALE_PROOF
 from proofs_checks.online.offline_gain import R8
 
@@ -206,6 +206,7 @@ CLAIMS = (
         r"dropped, and "
         r"$\sqrt T$ is missing.",
         links=refuted_order("online-known-rate"),
+        proof=FAMILY["known rate"],
         evidence=(
             refuted("online-known-rate"),
             unbounded(
@@ -225,6 +226,7 @@ CLAIMS = (
         r"$\sqrt T$, potentially constant regret.",
         because="It rests on the theorem above; what is true of large $n$ is the trivial bound R8.",
         links=refuted_order("online-linear-regret"),
+        proof=FAMILY["known rate"],
         evidence=(
             refuted("online-linear-regret"),
             unbounded(
@@ -274,6 +276,7 @@ CLAIMS = (
         r"As derived it is false by $\sqrt T$, too; where the logarithm is at least 1, its order is true for "
         "deterministic policies, for a trivial reason.",
         links=refuted_order("online-small-horizon"),
+        proof=FAMILY["vanishing scale"],
         evidence=(
             refuted("online-small-horizon"),
             unbounded("vanishing scale", r"as $TB/(\kappa\delta)$ falls to 1, where $\Gamma$ vanishes"),
@@ -303,6 +306,7 @@ CLAIMS = (
         because=r"$\Gamma$ vanishes at $TB = \kappa\delta$ and is negative below, while the first round may cost $BW$; "
         "where the logarithm is at least 1, the order is true for deterministic policies, for a trivial reason.",
         links=refuted_order("online-transition"),
+        proof=FAMILY["vanishing scale"],
         evidence=(
             refuted("online-transition"),
             unbounded("vanishing scale", r"as $TB/(\kappa\delta)$ falls to 1, where $\Gamma$ vanishes"),
@@ -348,6 +352,7 @@ CLAIMS = (
         statement=r"For $T|\mathcal S| \gg nd$: $R_T = O(\Gamma\sqrt{\log T})$.",
         because=r"The regret grows linearly while the sets cannot exclude the worse policy; $\sqrt T$ is missing.",
         links=refuted_order("online-large-horizon"),
+        proof=FAMILY["large horizon"],
         evidence=(
             refuted("online-large-horizon"),
             unbounded(

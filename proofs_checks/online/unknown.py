@@ -8,7 +8,7 @@ from proofs_checks.online.bonuses import R6
 from proofs_checks.online.checks import bonus, companions, containment, offline_gain, transcription
 from proofs_checks.online.checks.transcription_regret import REGRET
 from proofs_checks.online.containment import PRINTED_ALGORITHM, PRINTED_ALGORITHM_LINKS, R4, RUNS_UNKNOWN
-from proofs_checks.online.evidence import directions, refuted_order, text, unbounded
+from proofs_checks.online.evidence import FAMILY, directions, refuted_order, text, unbounded
 from proofs_checks.online.known import R3, R5
 from proofs_checks.online.matrices import SUPERMARTINGALE
 from proofs_checks.online.offline_gain import R8, R10
@@ -105,6 +105,7 @@ CLAIMS = (
         r"\sqrt T/\sqrt{n\gamma_{\min}})$.",
         because=r"The ratio grows like $n^{1/4}$.",
         links=refuted_order("online-simplified-rate"),
+        proof=FAMILY["simplified rate"],
         evidence=(refuted("online-simplified-rate"), unbounded("simplified rate", r"as $n \to \infty$ with $T = 100$")),
         repairs=(R7,),
     ),
@@ -276,6 +277,7 @@ CLAIMS = (
         "fall with n "
         "either.",
         links=refuted_order("online-squared-bonus-rate"),
+        proof=FAMILY["squared bonuses"],
         evidence=(
             refuted("online-squared-bonus-rate"),
             unbounded("squared bonuses", r"as $T \to \infty$ with $2T+1$ actions, where the left side is $4(T-1)$"),
@@ -291,6 +293,7 @@ CLAIMS = (
         r"O(\cdot)/d)}$.",
         because=r"The potential bounds the sum of squares, not of norms, and the factor $2d$ is missing.",
         links=refuted_order("online-term-2"),
+        proof=FAMILY["term 2"],
         evidence=(
             refuted("online-term-2"),
             unbounded(
@@ -342,6 +345,7 @@ CLAIMS = (
         statement=r"$\sum_{t\le T}\frac{t}{n(n+t)} = O(\min\{T/n, \log T\})$.",
         because=r"The sum is $T/n - (H_{n+T} - H_n)$, of the order $T/n$ when $T$ is larger than $n$.",
         links=refuted_order("online-drift-sum"),
+        proof=FAMILY["drift sum"],
         evidence=(
             refuted("online-drift-sum"),
             unbounded("drift sum", r"as $T \to \infty$ with $n = 1$, where the sum is at least $T/2$"),

@@ -14,10 +14,10 @@ CLAIMS = (
         topic="answers",
         verdict="true",
         statement=r"However questions are chosen from the past, the certificate holds. With $A$ the Hessian and $p$ "
-        r"the prediction, a "
-        r"question $x$ lowers $v^\top A^{-1}v$ by $p(1-p)(x^\top A^{-1}v)^2/(1 + p(1-p)x^\top A^{-1}x)$.",
-        because="The martingale asks only that a question is fixed before its answer; the gain is the "
-        "Sherman-Morrison identity.",
+        r"the prediction, a question $x$ lowers $v^\top A^{-1}v$ by $p(1-p)(x^\top A^{-1}v)^2/(1 + p(1-p)x^\top "
+        r"A^{-1}x)$.",
+        because="The martingale asks only that a question is fixed before its answer; the gain is the Sherman-Morrison "
+        "identity.",
         assumptions=("a question does not depend on its own answer",),
         links=(
             link(
@@ -44,16 +44,14 @@ CLAIMS = (
         topic="answers",
         verdict="cited",
         statement=r"With one good candidate and $D$ the information of the best design against the nearest "
-        r"alternative, every method "
-        r"that errs with probability at most $\delta$ has $\operatorname{E}[\tau] \ge \mathrm{kl}(1-\delta, "
-        r"\delta)/D$; "
-        r"$\liminf\operatorname{E}[\tau]/\log(1/\delta) \ge 1/D$ in general.",
+        r"alternative, every method that errs with probability at most $\delta$ has $\operatorname{E}[\tau] \ge "
+        r"\mathrm{kl}(1-\delta, \delta)/D$; $\liminf\operatorname{E}[\tau]/\log(1/\delta) \ge 1/D$ in general.",
         because="The transportation inequality of pure exploration; reported as an estimate, since $D$ is computed "
         "over a named pool.",
         evidence=(
             cited(
-                "Kaufmann, Cappe and Garivier 2016, Lemma 1; Degenne and Koolen 2019 for several answers (quoted "
-                "from memory)"
+                "Kaufmann, Cappe and Garivier 2016, Lemma 1; Degenne and Koolen 2019 for several answers (quoted from "
+                "memory)"
             ),
             text("fewest_answers"),
         ),

@@ -22,11 +22,9 @@ CLAIMS = (
         topic="answers",
         verdict="true",
         statement=r"For every direction $v$, every point $w_0$, inside the ball or not, every $c \ge 0$ and cones "
-        r"$\langle "
-        r"k_j, w\rangle \ge 0$ with multipliers $\mu_j \ge 0$: $$\max_{w \in C_t, \lVert w\rVert \le W, "
-        r"\text{cones}}\langle "
-        r"v, w\rangle \le c(\ell_t(w_0) - \langle\nabla\ell_t(w_0), w_0\rangle - Q_t + \log(1/\delta)) + W\lVert v + "
-        r"\textstyle\sum_j\mu_jk_j + c\nabla\ell_t(w_0)\rVert.$$",
+        r"$\langle k_j, w\rangle \ge 0$ with multipliers $\mu_j \ge 0$: $$\max_{w \in C_t, \lVert w\rVert \le W, "
+        r"\text{cones}}\langle v, w\rangle \le c(\ell_t(w_0) - \langle\nabla\ell_t(w_0), w_0\rangle - Q_t + "
+        r"\log(1/\delta)) + W\lVert v + \textstyle\sum_j\mu_jk_j + c\nabla\ell_t(w_0)\rVert.$$",
         because="Concavity of the log-likelihood and weak duality; nothing that an optimiser returns is trusted.",
         links=(
             link("the log-likelihood lies below its tangents", "convex_loss"),
@@ -48,26 +46,22 @@ CLAIMS = (
                 mutant("twice the squared radius", factor=2),
             ),
             exact(
-                "points certainly in the set, the ball and the cones stay below certificates at arbitrary $w_0$, "
-                "$c$, $\\mu$ "
-                "(balls)",
+                "points certainly in the set, the ball and the cones stay below certificates at arbitrary $w_0$, $c$, "
+                "$\\mu$ (balls)",
                 dual.points_are_below,
                 mutant("a quarter of the ball", share=Fraction(1, 4)),
             ),
             agrees(
-                "an independent convex solver's maximum is never above the certificate at its own optimum, and "
-                "nearly equal, "
-                "cones included (CVXPY, Clarabel)",
+                "an independent convex solver's maximum is never above the certificate at its own optimum, and nearly "
+                "equal, cones included (CVXPY, Clarabel)",
                 dual.against_solver,
                 mutant("the other sign of the multiplier", sign=-1),
             ),
             text("dual_certificate"),
         ),
         proof=r"On $C_t$: $0 \le \ell_t(w) - Q_t + \log(1/\delta) \le \ell_t(w_0) + \langle\nabla\ell_t(w_0), w - "
-        r"w_0\rangle - "
-        r"Q_t + \log(1/\delta)$. Add $c$ times this and $\mu_j\langle k_j, w\rangle \ge 0$ to $\langle v, w\rangle$, "
-        r"and "
-        r"maximise over the ball.",
+        r"w_0\rangle - Q_t + \log(1/\delta)$. Add $c$ times this and $\mu_j\langle k_j, w\rangle \ge 0$ to $\langle v, "
+        r"w\rangle$, and maximise over the ball.",
     ),
     Claim(
         label="companion G3",
@@ -75,12 +69,9 @@ CLAIMS = (
         topic="answers",
         verdict="true",
         statement=r"If the best policy is a candidate and $C_t$ meets the ball, on the events of the offline set and "
-        r"of G1, "
-        r"for every $t$ and every recommendation $\hat\pi$ chosen in any way from the data: $U(\pi^*) - U(\hat\pi) "
-        r"\le G_t = "
-        r"\max(0, \max_{\pi \in \Pi_{\text{off}}}\max_{w \in C_t, \lVert w\rVert \le W}\langle\phi(\pi) - "
-        r"\phi(\hat\pi), "
-        r"w\rangle)$.",
+        r"of G1, for every $t$ and every recommendation $\hat\pi$ chosen in any way from the data: $U(\pi^*) - "
+        r"U(\hat\pi) \le G_t = \max(0, \max_{\pi \in \Pi_{\text{off}}}\max_{w \in C_t, \lVert w\rVert \le "
+        r"W}\langle\phi(\pi) - \phi(\hat\pi), w\rangle)$.",
         because="The best policy is one of the candidates and the true weights one of the points maximised over.",
         assumptions=(
             "the best policy is a candidate, the demonstrator optimal for the same weights",
@@ -103,8 +94,7 @@ CLAIMS = (
             text("certified_gap"),
         ),
         proof=r"$U(\pi^*) - U(\hat\pi) = \langle\phi(\pi^*) - \phi(\hat\pi), w^*\rangle$ with $\pi^* \in "
-        r"\Pi_{\text{off}}$ and "
-        r"$w^* \in C_t$; the event does not mention $\hat\pi$ or the stopping time.",
+        r"\Pi_{\text{off}}$ and $w^* \in C_t$; the event does not mention $\hat\pi$ or the stopping time.",
     ),
     Claim(
         label="companion G3'",
@@ -112,8 +102,8 @@ CLAIMS = (
         topic="answers",
         verdict="true",
         statement=r"If for every candidate $\max_w\langle\phi(\pi) - \phi(\hat\pi) - \rho(\phi(\hat\pi) - "
-        r"\phi(\pi_0)), w\rangle "
-        r"\le 0$ and $U(\pi^*) > U(\pi_0)$, then $U(\hat\pi) - U(\pi_0) \ge \frac1{1+\rho}(U(\pi^*) - U(\pi_0))$.",
+        r"\phi(\pi_0)), w\rangle \le 0$ and $U(\pi^*) > U(\pi_0)$, then $U(\hat\pi) - U(\pi_0) \ge "
+        r"\frac1{1+\rho}(U(\pi^*) - U(\pi_0))$.",
         because="One line of algebra at the true weights; the conclusion has no scale.",
         evidence=(
             proved(
@@ -133,11 +123,10 @@ CLAIMS = (
         topic="answers",
         verdict="true",
         statement=r"For $\hat w \in C_t$, that is $b = \ell_t(\hat w) - Q_t + \log(1/\delta) \ge 0$: if $b + "
-        r"\lVert\nabla\ell_t\rVert r - \frac{r^2}2\lambda_{\min}(A_r) < 0$ for one $r$, then $C_t$ lies within $r$ "
-        r"of $\hat w$.",
+        r"\lVert\nabla\ell_t\rVert r - \frac{r^2}2\lambda_{\min}(A_r) < 0$ for one $r$, then $C_t$ lies within $r$ of "
+        r"$\hat w$.",
         because="The companion's text says 'for any $\\hat w$'; with $b < 0$ that is false, and the hypothesis is "
-        "added here: "
-        "a set elsewhere satisfies the condition as well.",
+        "added here: a set elsewhere satisfies the condition as well.",
         links=(
             link("on the sphere of radius $r$ the log-likelihood is below the threshold", "curvature_inequality"),
             link("and beyond it too, along every ray", "confinement"),
@@ -150,21 +139,20 @@ CLAIMS = (
                 mutant("a middle outside the set", inside=False),
             ),
             proved_step(
-                r"the loss lies above its tangent by $\sigma'(z)\,2(e^{-r} + r - 1)/r^2\cdot y^2/2$ within $r$ "
-                r"(SymPy, Z3)",
+                r"the loss lies above its tangent by $\sigma'(z)\,2(e^{-r} + r - 1)/r^2\cdot y^2/2$ within $r$ (SymPy, "
+                r"Z3)",
                 quadratics.curvature_inequality,
                 mutant("the curvature may not fall", power=1),
             ),
             exact(
-                "the counterexample to the text: a hundred answers 1, middle 0, $r = 1/2$; the condition holds and "
-                "the set "
-                "begins beyond $r$ (balls)",
+                "the counterexample to the text: a hundred answers 1, middle 0, $r = 1/2$; the condition holds and the "
+                "set begins beyond $r$ (balls)",
                 dual.confinement_needs_its_middle,
                 mutant("one answer", answers=1),
             ),
         ),
         proof=r"By G5's inequality $\ell_t(\hat w + y) \le \ell_t(\hat w) + \lVert\nabla\ell_t\rVert r - "
-        r"\frac{r^2}2\lambda_{\min}(A_r)$ for $\lVert y\rVert = r$, which is below the threshold. Along a ray "
-        r"$\ell_t$ is concave and at or above the threshold at $\hat w$, so it cannot rise above it again.",
+        r"\frac{r^2}2\lambda_{\min}(A_r)$ for $\lVert y\rVert = r$, which is below the threshold. Along a ray $\ell_t$ "
+        r"is concave and at or above the threshold at $\hat w$, so it cannot rise above it again.",
     ),
 )

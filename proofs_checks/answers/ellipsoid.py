@@ -15,15 +15,11 @@ CLAIMS = (
         name="ellipsoid around the likelihood set",
         topic="answers",
         verdict="true",
-        statement=r"For any $\hat w$, $\eta \ge 0$, $z_s = \langle x_s, \hat w\rangle$ and $r_s \ge |\langle x_s, w "
-        r"- \hat "
-        r"w\rangle|$ over the current enclosure, let $c_s = \sigma'(z_s)2(e^{-r_s} + r_s - 1)/r_s^2$, $A = \sum "
-        r"c_sx_sx_s^\top + "
-        r"\eta I$ positive definite, $u = -\nabla\ell_t(\hat w) + \eta\hat w$, $b = \ell_t(\hat w) - Q_t + "
-        r"\log(1/\delta)$. Then "
-        r"$C_t$ within the ball lies in $\lVert w - (\hat w - A^{-1}u)\rVert_A^2 \le 2b + \eta(W^2 - \lVert\hat "
-        r"w\rVert^2) + "
-        r"\lVert u\rVert_{A^{-1}}^2$.",
+        statement=r"For any $\hat w$, $\eta \ge 0$, $z_s = \langle x_s, \hat w\rangle$ and $r_s \ge |\langle x_s, w - "
+        r"\hat w\rangle|$ over the current enclosure, let $c_s = \sigma'(z_s)2(e^{-r_s} + r_s - 1)/r_s^2$, $A = \sum "
+        r"c_sx_sx_s^\top + \eta I$ positive definite, $u = -\nabla\ell_t(\hat w) + \eta\hat w$, $b = \ell_t(\hat w) - "
+        r"Q_t + \log(1/\delta)$. Then $C_t$ within the ball lies in $\lVert w - (\hat w - A^{-1}u)\rVert_A^2 \le 2b + "
+        r"\eta(W^2 - \lVert\hat w\rVert^2) + \lVert u\rVert_{A^{-1}}^2$.",
         because="The curvature of the loss falls at most exponentially with the distance; summed up, the set lies in a "
         "quadratic's sublevel set.",
         links=(
@@ -35,8 +31,7 @@ CLAIMS = (
         evidence=(
             proved_step(
                 r"$f(z + y) - f(z) - f'(z)y - \sigma'(z)(e^{-|y|} + |y| - 1)$ vanishes to first order at $y = 0$ and "
-                r"is convex "
-                r"on either side, for all real $z$ (SymPy, Z3)",
+                r"is convex on either side, for all real $z$ (SymPy, Z3)",
                 quadratics.curvature_inequality,
                 mutant("the curvature may not fall", power=1),
             ),
@@ -62,14 +57,10 @@ CLAIMS = (
             ),
             text("curvature_factor", "ellipsoid_radius_squared"),
         ),
-        proof=r"With $f(z) = \log(1 + e^{-z})$, $f'' = \sigma'$ and $\sigma'(z + y) \ge \sigma'(z)e^{-|y|}$; "
-        r"integrate twice to "
-        r"$f(z + y) \ge f(z) + f'(z)y + \sigma'(z)(e^{-|y|} + |y| - 1)$, and the last bracket is at least "
-        r"$\frac{e^{-r} + r - "
-        r"1}{r^2}y^2$ for $|y| \le r$. Sum over the answers: $\frac12\Delta^\top(A - \eta I)\Delta - "
-        r"\langle\nabla\ell_t(\hat w), "
-        r"\Delta\rangle \le b$ on $C_t$. Add $\frac\eta2(\lVert w\rVert^2 - W^2) \le 0$ and complete the square. "
-        r"Each pass "
-        r"encloses the set, so that its reaches serve the next one.",
+        proof=r"With $f(z) = \log(1 + e^{-z})$, $f'' = \sigma'$ and $\sigma'(z + y) \ge \sigma'(z)e^{-|y|}$; integrate "
+        r"twice to $f(z + y) \ge f(z) + f'(z)y + \sigma'(z)(e^{-|y|} + |y| - 1)$, and the last bracket is at least "
+        r"$\frac{e^{-r} + r - 1}{r^2}y^2$ for $|y| \le r$. Sum over the answers: $\frac12\Delta^\top(A - \eta I)\Delta "
+        r"- \langle\nabla\ell_t(\hat w), \Delta\rangle \le b$ on $C_t$. Add $\frac\eta2(\lVert w\rVert^2 - W^2) \le 0$ "
+        r"and complete the square. Each pass encloses the set, so that its reaches serve the next one.",
     ),
 )

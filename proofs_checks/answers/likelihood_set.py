@@ -23,15 +23,13 @@ _MARTINGALE = exact(
 )
 _EVERY_ASKER = exact(
     "the true weights leave the set of a finite prior with probability at most $\\delta$, for the worst of all "
-    "adaptive "
-    "askers and stopping times (dynamic programming over counts, rationals)",
+    "adaptive askers and stopping times (dynamic programming over counts, rationals)",
     likelihood_set.ever_outside,
     mutant("the best likelihood instead of the mixture", chosen_after=True),
 )
 _COVERED = covered(
     "$\\ell_t(w^*) \\ge Q_t - \\log(1/\\delta)$ at every $t \\le 50$, $\\delta = 1/10$, Gaussian $q$ fitted to the "
-    "answers, "
-    "a third of the askers adversaries that know the truth",
+    "answers, a third of the askers adversaries that know the truth",
     adaptive.stays_inside,
     mutant("the best likelihood instead of the evidence", price=0.0),
 )
@@ -42,10 +40,9 @@ CLAIMS = (
         name="likelihood set for densities chosen after the answers",
         topic="answers",
         verdict="true",
-        statement=r"With a prior $\nu$ fixed before the answers, with probability at least $1-\delta$, for all $t$ "
-        r"and all "
-        r"densities $q$ at once, $\ell_t(w^*) \ge Q_t(q) - \log(1/\delta)$ with $Q_t(q) = \operatorname{E}_q\ell_t - "
-        r"\mathrm{KL}(q\|\nu)$. For $\nu = N(0, I/\lambda)$, $Q_t \ge \ell_t(m) - \frac\lambda2\lVert m\rVert^2 - "
+        statement=r"With a prior $\nu$ fixed before the answers, with probability at least $1-\delta$, for all $t$ and "
+        r"all densities $q$ at once, $\ell_t(w^*) \ge Q_t(q) - \log(1/\delta)$ with $Q_t(q) = \operatorname{E}_q\ell_t "
+        r"- \mathrm{KL}(q\|\nu)$. For $\nu = N(0, I/\lambda)$, $Q_t \ge \ell_t(m) - \frac\lambda2\lVert m\rVert^2 - "
         r"\frac12\log\det(I + X^\top X/(4\lambda))$ for every $m$, so that $\max_{\lVert m\rVert \le W}\ell_t(m) - "
         r"\ell_t(w^*) \le \frac\lambda2W^2 + \frac d2\log(1 + tB^2/(\lambda d)) + \log(1/\delta)$: no $\kappa$ enters.",
         because="The evidence over the true likelihood is a nonnegative martingale of mean 1, whatever is asked and "
@@ -72,15 +69,13 @@ CLAIMS = (
             ),
             proved_step(
                 r"$\sigma' \le 1/4$ everywhere, so that $\operatorname{E}_q\log\sigma(z) \ge "
-                r"\log\sigma(\operatorname{E}z) "
-                r"- \operatorname{Var}z/8$",
+                r"\log\sigma(\operatorname{E}z) - \operatorname{Var}z/8$",
                 quadratics.quarter_curvature,
                 mutant("at most 1/5", constant=5),
             ),
             proved_step(
                 r"$\frac12as + \mathrm{KL}(N(m,s)\|N(0,1/\lambda)) = \frac\lambda2m^2 + \frac12\log(1 + a/\lambda)$ "
-                r"for "
-                r"$s = 1/(a + \lambda)$ (SymPy)",
+                r"for $s = 1/(a + \lambda)$ (SymPy)",
                 quadratics.price_of_a_direction,
                 mutant("a third of the logarithm", half="1/3"),
             ),
@@ -90,9 +85,8 @@ CLAIMS = (
                 mutant("the other curvature", sign=-1),
             ),
             proved(
-                r"$\log\sigma(z) \ge \log\sigma(\xi) + \frac12(z - \xi) - \frac{\tanh(\xi/2)}{4\xi}(z^2 - \xi^2)$ "
-                r"for all "
-                r"real $z$ and $\xi > 0$: $-\log2\cosh(\sqrt u/2)$ is convex in $u = z^2$ (SymPy, Z3)",
+                r"$\log\sigma(z) \ge \log\sigma(\xi) + \frac12(z - \xi) - \frac{\tanh(\xi/2)}{4\xi}(z^2 - \xi^2)$ for "
+                r"all real $z$ and $\xi > 0$: $-\log2\cosh(\sqrt u/2)$ is convex in $u = z^2$ (SymPy, Z3)",
                 quadratics.jaakkola_jordan,
                 mutant("5 instead of 4", constant=5),
             ),
@@ -121,12 +115,10 @@ CLAIMS = (
         r"probability at most $\delta$. Its logarithm is at least $\operatorname{E}_q[\ell_t - \ell_t(w^*)] - "
         r"\mathrm{KL}(q\|\nu)$ for every $q$ at once (Gibbs), so that $q$ may be chosen after the answers."
         "\n\n"
-        r"For the determinant take $q = N(m, S)$ with $S^{-1} = X^\top X/4 + \lambda I$. As the loss has curvature "
-        r"at most "
-        r"$1/4$, $\operatorname{E}_q\ell_t \ge \ell_t(m) - \frac18\operatorname{tr}(XSX^\top)$; in the eigenbasis of "
-        r"$X^\top X/4$ each direction then pays $\frac12\log(1 + a/\lambda)$. The arithmetic mean of the eigenvalues "
-        r"of "
-        r"$I + X^\top X/(4\lambda)$ is at most $1 + tB^2/(\lambda d)$, as $\lVert x\rVert \le 2B$.",
+        r"For the determinant take $q = N(m, S)$ with $S^{-1} = X^\top X/4 + \lambda I$. As the loss has curvature at "
+        r"most $1/4$, $\operatorname{E}_q\ell_t \ge \ell_t(m) - \frac18\operatorname{tr}(XSX^\top)$; in the eigenbasis "
+        r"of $X^\top X/4$ each direction then pays $\frac12\log(1 + a/\lambda)$. The arithmetic mean of the "
+        r"eigenvalues of $I + X^\top X/(4\lambda)$ is at most $1 + tB^2/(\lambda d)$, as $\lVert x\rVert \le 2B$.",
     ),
     Claim(
         label="companion G1",
@@ -135,11 +127,9 @@ CLAIMS = (
         verdict="true",
         statement=r"Let $q_s(1), q_s(0) \ge 0$ with $q_s(0) + q_s(1) \le 1$ be made before $o_s$ is known and $Q_t = "
         r"\sum_s\log q_s(o_s)$. With probability at least $1-\delta$, $\ell_t(w^*) \ge Q_t - \log(1/\delta)$ for all "
-        r"$t$. "
-        r"The same holds for finite mixtures $Q_t = \log\sum_k\nu_ke^{\ell_t(w_k)}$.",
+        r"$t$. The same holds for finite mixtures $Q_t = \log\sum_k\nu_ke^{\ell_t(w_k)}$.",
         because="The ratio of the forecasts to the true likelihood is a nonnegative supermartingale; bold forecasts "
-        "attain "
-        "delta, so that nothing is left to gain in general.",
+        "attain delta, so that nothing is left to gain in general.",
         assumptions=(*_ASSUMED, "a forecast is made before its answer; a checker computes it again and never reads it"),
         links=(
             link("the ratio is a martingale", "martingale"),
@@ -157,8 +147,7 @@ CLAIMS = (
             _MARTINGALE,
             _EVERY_ASKER,
         ),
-        proof=r"$\operatorname{E}[q_s(o_s)/p_{w^*}(o_s)\mid\text{past}] = q_s(0) + q_s(1) \le 1$; Ville's "
-        r"inequality. For "
-        r"finitely many answers both need finite sums only.",
+        proof=r"$\operatorname{E}[q_s(o_s)/p_{w^*}(o_s)\mid\text{past}] = q_s(0) + q_s(1) \le 1$; Ville's inequality. "
+        r"For finitely many answers both need finite sums only.",
     ),
 )

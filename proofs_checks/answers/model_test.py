@@ -14,10 +14,8 @@ CLAIMS = (
         topic="answers",
         verdict="true",
         statement=r"For a mixture $Q_t$ of forecasters, one of them outside the model, $e^{Q_t}/\max_we^{\ell_t(w)}$ "
-        r"exceeds "
-        r"$1/\delta_M$ at some time with probability at most $\delta_M$ under the model. Preferences that go round "
-        r"in a circle "
-        r"at .9 are refuted within 50 answers in at least 9 of 10 sessions.",
+        r"exceeds $1/\delta_M$ at some time with probability at most $\delta_M$ under the model. Preferences that go "
+        r"round in a circle at .9 are refuted within 50 answers in at least 9 of 10 sessions.",
         because="The best weights are at least as likely as the true ones, so that the ratio is at most a "
         "supermartingale.",
         assumptions=("forecasts are made before their answers",),
@@ -29,8 +27,7 @@ CLAIMS = (
         evidence=(
             exact(
                 "tables and model mixed half and half against the best weights: the worst asker refutes a true model "
-                "with "
-                "probability at most $\\delta$ (rationals)",
+                "with probability at most $\\delta$ (rationals)",
                 likelihood_set.refutations,
                 mutant("against one fixed weight vector", against=0),
             ),
@@ -41,12 +38,9 @@ CLAIMS = (
             ),
             text("refutation_threshold"),
         ),
-        proof=r"$e^{Q_t}/\max_we^{\ell_t(w)} \le e^{Q_t - \ell_t(w^*)}$, a nonnegative supermartingale of mean at "
-        r"most 1; Ville. "
-        r"A forecaster of the mixture gets its share $1/k$, hence the lead $\log(k/\delta_M)$. Without one outside "
-        r"the model the "
-        r"test is empty: $Q_t(q) = \operatorname{E}_q\ell_t - \mathrm{KL} \le \max_w\ell_t(w)$, so that $C_t$ "
-        r"without the ball "
-        r"is never empty.",
+        proof=r"$e^{Q_t}/\max_we^{\ell_t(w)} \le e^{Q_t - \ell_t(w^*)}$, a nonnegative supermartingale of mean at most "
+        r"1; Ville. A forecaster of the mixture gets its share $1/k$, hence the lead $\log(k/\delta_M)$. Without one "
+        r"outside the model the test is empty: $Q_t(q) = \operatorname{E}_q\ell_t - \mathrm{KL} \le \max_w\ell_t(w)$, "
+        r"so that $C_t$ without the ball is never empty.",
     ),
 )

@@ -13,13 +13,10 @@ CLAIMS = (
         topic="answers",
         verdict="true",
         statement=r"R2 and R4 hold with $C_t$ in place of R1's ellipsoid: $\Pi_t = \{\pi : \forall\pi' \max_{w \in "
-        r"C_t}\langle"
-        r"\phi(\pi) - \phi(\pi'), w\rangle \ge 0\}$ keeps $\pi^*$, a round that plays the widest pair of $\Pi_t$ "
-        r"costs at most "
-        r"$\max - \min$ of $\langle\phi(\pi^1) - \phi(\pi^2), \cdot\rangle$ over $C_t$, and $R_T \le "
-        r"\max_{\pi}\max_{w \in C}"
-        r"\langle m_\pi, w\rangle$ with $C$ after all answers and $m_\pi = \sum_t(\phi(\pi) - \frac12(\phi(\pi_t^1) + "
-        r"\phi(\pi_t^2)))$.",
+        r"C_t}\langle\phi(\pi) - \phi(\pi'), w\rangle \ge 0\}$ keeps $\pi^*$, a round that plays the widest pair of "
+        r"$\Pi_t$ costs at most $\max - \min$ of $\langle\phi(\pi^1) - \phi(\pi^2), \cdot\rangle$ over $C_t$, and $R_T "
+        r"\le \max_{\pi}\max_{w \in C}\langle m_\pi, w\rangle$ with $C$ after all answers and $m_\pi = "
+        r"\sum_t(\phi(\pi) - \frac12(\phi(\pi_t^1) + \phi(\pi_t^2)))$.",
         because="The true weights and the best policy are among those maximised over.",
         assumptions=("policies are executed; with questions from a pool no regret is defined", "known dynamics"),
         links=(
@@ -40,17 +37,15 @@ CLAIMS = (
                 mutant("twice the regret", factor=2),
             ),
             covered(
-                "the realised regret of 60 rounds is below the dual certificate's bound, which is below R4's bound "
-                "in hindsight "
-                "on the same logs in most runs",
+                "the realised regret of 60 rounds is below the dual certificate's bound, which is below R4's bound in "
+                "hindsight on the same logs in most runs",
                 asking.regret,
                 mutant("a fiftieth of the bound", share=0.02),
             ),
         ),
         proof=r"$0 \le \langle\phi(\pi^*) - \phi(\pi'), w^*\rangle \le \max_{C_t}$. For $\pi_i \in \Pi_t$ membership "
-        r"against $\pi^*$ "
-        r"says $\min_{C_t}\langle\phi(\pi^*) - \phi(\pi_i), \cdot\rangle \le 0$, so that the advantage of $\pi^*$ is "
-        r"at most $\max - "
-        r"\min$, and the pair played is the widest. In hindsight $R_T = \langle m_{\pi^*}, w^*\rangle$.",
+        r"against $\pi^*$ says $\min_{C_t}\langle\phi(\pi^*) - \phi(\pi_i), \cdot\rangle \le 0$, so that the advantage "
+        r"of $\pi^*$ is at most $\max - \min$, and the pair played is the widest. In hindsight $R_T = \langle "
+        r"m_{\pi^*}, w^*\rangle$.",
     ),
 )

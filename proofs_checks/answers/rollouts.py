@@ -15,12 +15,10 @@ CLAIMS = (
         name="features from rollouts",
         topic="answers",
         verdict="true",
-        statement=r"With $N$ rollouts a candidate fixed before them, with probability $1-\delta_\phi$ every "
-        r"coordinate is within "
-        r"$\varepsilon_j = \sqrt{2V_jL/N} + 7R_jL/(3(N-1))$, $L = \log(4d|\Pi|/\delta_\phi)$, and the certified gap "
-        r"grows by at "
-        r"most $W\lVert\varepsilon(\pi) + \varepsilon(\hat\pi)\rVert$. The $k$-th look may spend "
-        r"$\delta_\phi/(k(k+1))$.",
+        statement=r"With $N$ rollouts a candidate fixed before them, with probability $1-\delta_\phi$ every coordinate "
+        r"is within $\varepsilon_j = \sqrt{2V_jL/N} + 7R_jL/(3(N-1))$, $L = \log(4d|\Pi|/\delta_\phi)$, and the "
+        r"certified gap grows by at most $W\lVert\varepsilon(\pi) + \varepsilon(\hat\pi)\rVert$. The $k$-th look may "
+        r"spend $\delta_\phi/(k(k+1))$.",
         because="Maurer and Pontil's empirical Bernstein bound, a union over coordinates and sides, and Cauchy and "
         "Schwarz.",
         assumptions=(
@@ -50,19 +48,18 @@ CLAIMS = (
             text("bernstein_radius", "rollout_gap", "look_delta"),
         ),
         proof=r"Theorem 4 of Maurer and Pontil, one-sided at $\delta_\phi/(2d|\Pi|)$, is "
-        r"$\log(2\cdot2d|\Pi|/\delta_\phi) = L$. Then "
-        r"$\langle\phi - \hat\phi, w\rangle \le \lVert\varepsilon\rVert\lVert w\rVert$.",
+        r"$\log(2\cdot2d|\Pi|/\delta_\phi) = L$. Then $\langle\phi - \hat\phi, w\rangle \le "
+        r"\lVert\varepsilon\rVert\lVert w\rVert$.",
     ),
     Claim(
         label="companion G7'",
         name="fresh rollouts after the answers",
         topic="answers",
         verdict="true",
-        statement=r"Fix $C_t$, $\hat\pi$, a contender and $\lVert w - m\rVert_A \le \rho$ around $C_t$, then draw "
-        r"$N$ fresh pairs with "
-        r"differences $y_i$ of mean $v$. With probability $1-\delta'$: $\max_{C_t}\langle v, w\rangle \le "
-        r"\max_{C_t}\langle\bar y, "
-        r"w\rangle + \mathrm{EB}(\langle y_i, m\rangle; \delta'/2) + \rho b(1 + \sqrt{2\log(2/\delta')})/\sqrt N$.",
+        statement=r"Fix $C_t$, $\hat\pi$, a contender and $\lVert w - m\rVert_A \le \rho$ around $C_t$, then draw $N$ "
+        r"fresh pairs with differences $y_i$ of mean $v$. With probability $1-\delta'$: $\max_{C_t}\langle v, w\rangle "
+        r"\le \max_{C_t}\langle\bar y, w\rangle + \mathrm{EB}(\langle y_i, m\rangle; \delta'/2) + \rho b(1 + "
+        r"\sqrt{2\log(2/\delta')})/\sqrt N$.",
         because="The error of the mean is split at the middle of the ellipsoid.",
         assumptions=("everything but the rollouts is fixed before them", r"$\lVert y\rVert_{A^{-1}} \le b$ surely"),
         links=(
@@ -77,12 +74,9 @@ CLAIMS = (
             ),
             text("fresh_rollout_gap"),
         ),
-        proof=r"$\langle v, w\rangle = \langle\bar y, w\rangle + \langle v - \bar y, m\rangle + \langle v - \bar y, "
-        r"w - m\rangle$. The "
-        r"second term is G7 for one number at $\delta'/2$, the third at most $\rho\lVert\bar y - v\rVert_{A^{-1}}$, "
-        r"whose mean is at "
-        r"most $b/\sqrt N$ and which one rollout changes by at most $2b/N$, so that bounded differences add "
-        r"$b\sqrt{2\log(2/\delta')/N}$ "
-        r"at $\delta'/2$.",
+        proof=r"$\langle v, w\rangle = \langle\bar y, w\rangle + \langle v - \bar y, m\rangle + \langle v - \bar y, w "
+        r"- m\rangle$. The second term is G7 for one number at $\delta'/2$, the third at most $\rho\lVert\bar y - "
+        r"v\rVert_{A^{-1}}$, whose mean is at most $b/\sqrt N$ and which one rollout changes by at most $2b/N$, so "
+        r"that bounded differences add $b\sqrt{2\log(2/\delta')/N}$ at $\delta'/2$.",
     ),
 )

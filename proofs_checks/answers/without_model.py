@@ -16,15 +16,12 @@ CLAIMS = (
         topic="answers",
         verdict="true",
         statement=r"For fresh draws in random position with stationary $p(i, j)$, bets at $\delta/\text{pairs}$ give "
-        r"intervals that hold for "
-        r"all pairs at all times with probability $1-\delta$ under any adaptive asking; mixed uniformly they lie "
-        r"within "
-        r"$|\hat p_t - p| \le \sqrt{\log((t + 1)\text{pairs}/\delta)/(2t)}$. A winner need not exist: under one "
-        r"utility, three candidates "
-        r"whose utilities lie far apart (here up to 80 nats) can each be preferred to the next with more than .61.",
-        because="A bet at the true chance is a fair game, its uniform mixture is a martingale in closed form, and "
-        "the closed form has a "
-        "simple bound.",
+        r"intervals that hold for all pairs at all times with probability $1-\delta$ under any adaptive asking; mixed "
+        r"uniformly they lie within $|\hat p_t - p| \le \sqrt{\log((t + 1)\text{pairs}/\delta)/(2t)}$. A winner need "
+        r"not exist: under one utility, three candidates whose utilities lie far apart (here up to 80 nats) can each "
+        r"be preferred to the next with more than .61.",
+        because="A bet at the true chance is a fair game, its uniform mixture is a martingale in closed form, and the "
+        "closed form has a simple bound.",
         assumptions=(
             "both trajectories are fresh draws, in random position",
             "preference between two candidates does not drift",
@@ -62,8 +59,7 @@ CLAIMS = (
             text("preference_width"),
         ),
         proof=r"$1 + \beta(o - p)$ has mean 1 under $p$. The uniform mixture over stakes is "
-        r"$s!(t-s)!/((t+1)!\,p^s(1-p)^{t-s})$, at least "
-        r"$e^{t\,\mathrm{kl}(\hat p, p)}/(t + 1)$ because a binomial probability is at most 1. Ville at "
-        r"$\delta/\text{pairs}$, then Pinsker.",
+        r"$s!(t-s)!/((t+1)!\,p^s(1-p)^{t-s})$, at least $e^{t\,\mathrm{kl}(\hat p, p)}/(t + 1)$ because a binomial "
+        r"probability is at most 1. Ville at $\delta/\text{pairs}$, then Pinsker.",
     ),
 )

@@ -251,6 +251,8 @@ def test_catalog_finds_by_name_label_and_group() -> None:
     assert by_label("offline_radius") == (offline_radius,)
     assert "concentrability_sharp" in {formula.name for formula in by_label("T5")}
     assert offline_radius_repaired in by_label("T9")
+    assert [formula.name for formula in by_label("G2")] == ["dual_certificate"]
+    assert {formula.group for formula in by_label("G1'")} == {"answers"}
     with pytest.raises(InputError, match="closest: offline_radius"):
         by_label("offline_radios")
     with pytest.raises(InputError, match="no formula is called 'qqqq'"):

@@ -40,8 +40,8 @@ FAMILY: Mapping[str, str] = {
     "simplified rate": r"Both sides are formulas in $n$ at $T = 100$ and $\gamma_{\min} = 1$; their ratio is taken.",
     "drift sum": r"At $n = 1$ every term $t/(1+t)$ is at least $\frac12$, and $\min\{T, \log T\} = \log T$.",
     "offline radius": r"$\sqrt n$ times the radius is at least $\beta$, which grows like $\sqrt{\log n}$.",
-    "vanishing scale": r"$\Gamma$ is a multiple of $\log(TB/(\kappa\delta))$, which vanishes as $TB/(\kappa\delta)$ falls "
-    r"to 1, while the first round compares both actions and costs $BW$.",
+    "vanishing scale": r"$\Gamma$ is a multiple of $\log(TB/(\kappa\delta))$, which vanishes as $TB/(\kappa\delta)$ "
+    r"falls to 1, while the first round compares both actions and costs $BW$.",
     "squared bonuses": r"Of $2T+1$ actions one is demonstrated; each round plays two others for the first time, whose "
     r"bonus is $2\eta$ with $\eta = 1$ in rounds up to $T - 1$: the left side is at least $4(T-1)$.",
 }

@@ -133,12 +133,15 @@ def test_trap_6_forecasts_read_from_a_log_certify_anything() -> None:
 def test_trap_7_pooling_people_needs_one_weight_vector_for_each() -> None:
     """Two people with log-odds 1 and -2 answer in turn."""
     other = -2.0
-    average = (HONEST + 1 / (1 + np.exp(-other))) / 2
+    second = 1 / (1 + np.exp(-other))
+
+    def in_turn(ones: int, zeros: int) -> float:
+        return second if (ones + zeros) % 2 else HONEST
 
     def pooled_keeps(ones: int, zeros: int) -> bool:
         return inside(ones, zeros, TRUE) or inside(ones, zeros, other)
 
-    assert chance_of_losing(300, lambda ones, zeros: average, pooled_keeps) > 0.99
+    assert chance_of_losing(300, in_turn, pooled_keeps) > 0.99
     assert joint_chance_of_losing(TRUE, other, 60) <= DELTA
 
 

@@ -7,6 +7,7 @@ from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
 
 from experiments.compare.comparison import Comparison, Row
+from experiments.compare.ledger import false_word
 from experiments.compare.theory_curves import Curve
 
 _UNDECIDED = ("informative", "vacuous")
@@ -32,7 +33,7 @@ def table(comparison: Comparison) -> str:
         curve = row.curve
         verdict = "the yardstick" if curve.kind == "trivial" else MEANINGS[row.verdict]
         if not row.proved and row.verdict in _UNDECIDED:
-            verdict += ", false in general" if row.ledger else ", not proved"
+            verdict += f", {false_word(row.ledger)} in general" if row.ledger else ", not proved"
         if curve.missing and row.verdict in _UNDECIDED:
             verdict += ", not about this run"
         value = _number(row.value) if curve.kind == "rate" else _bound(row.value)
@@ -125,7 +126,7 @@ def _row_sentence(comparison: Comparison, row: Row) -> str:
             f"{_allowed(row)} allows that, or there are too few seeds to tell.{_ledger(row)}"
         )
     if row.curve.kind in ("stated", "stated-sums") and row.ledger:
-        return f"{label} is not violated here, but false in general.{_ledger(row)}"
+        return f"{label} is not violated here, but {false_word(row.ledger)} in general.{_ledger(row)}"
     return ""
 
 

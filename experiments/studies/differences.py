@@ -124,7 +124,8 @@ def _real(mdp: TabularMDP, counts: IntArray) -> FloatArray:
 
 def _departed(mdp: TabularMDP) -> TabularMDP:
     """The reward of the state departed from instead of that arrived at: H - 1 arrivals, and the start, are paid."""
-    return replace(mdp, reward=np.repeat(mdp.reward[:, None], mdp.n_actions, axis=1))
+    departed = np.repeat(mdp.reward[:, None], mdp.n_actions, axis=1)
+    return replace(mdp, reward=departed, reward_on="")
 
 
 def figures(data: xr.Dataset) -> dict[str, Any]:

@@ -58,7 +58,7 @@ def logs(tmp_path_factory: pytest.TempPathFactory) -> Logs:
     """Logs of every combination of the deciding entries, with their certificates."""
     file = worst_demonstrations(tmp_path_factory.mktemp("demonstrations") / "worst.npz")
     base = preset("theory", "garnet").but(
-        environment_options=GARNET, n_demonstrations=1, rounds=ROUNDS, algorithms=ALGORITHMS, delta=DELTA, proposals=9
+        environment_options=GARNET, n_demonstrations=1, rounds=ROUNDS, algorithms=ALGORITHMS, delta=DELTA, proposals=3
     )
     found, worlds = [], {}
     for values in itertools.product(*DECIDING.values(), SEEDS):

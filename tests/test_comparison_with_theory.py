@@ -15,6 +15,7 @@ from bridge_algos.continuous.config import continuous_preset
 from bridge_algos.envs.counterexamples import instance
 from bridge_algos.envs.registry import make_mdp
 from bridge_algos.netcdf import load_dataset, save_dataset
+from bridge_algos.run.candidates import WAYS
 from bridge_algos.run.config import preset
 from bridge_algos.run.log_file import load_log, log_files, save_log
 from bridge_algos.run.runner import run
@@ -194,21 +195,14 @@ def test_a_certificate_is_about_the_policies_searched(tmp_path, environment, set
     assert "is violated" not in words(found)
 
 
-def test_a_search_that_may_be_a_sample_is_called_one(star):
+@pytest.mark.parametrize("way", WAYS)
+def test_a_search_that_may_be_a_sample_is_called_one(star, way):
     known, unknown = comparing.subjects(star)
-    for subject, changes, count, whole in (
-        (unknown, {}, 4.0, True),
-        (unknown, {"candidate_limit": 1000}, 4.0, True),
-        (unknown, {"candidate_limit": 1000}, np.nan, False),  # nobody could count the set
-        (unknown, {"candidate_limit": 3}, 4.0, False),
-        (unknown, {"candidates": "rejection"}, 4.0, False),
-        (known, {"candidate_limit": 1000}, 4.0, True),
-        (known, {"candidate_limit": 1000, "radius": "repaired"}, 4.0, False),  # counted under other dynamics
-        (known, {"radius": "repaired"}, np.nan, True),  # all 1024 policies fit
-    ):
-        results = subject.results.assign(offline_set_count=0 * subject.results.offline_set_count + count)
-        changed = dataclasses.replace(subject, results=results, config=subject.config.but(**changes))
-        assert any("only a sample" in reason for reason in missing_of_repaired(changed)) != whole
+    for subject in (known, unknown):
+        results = subject.results.assign(search_way=("seed", [way] * subject.results.sizes["seed"]))
+        changed = dataclasses.replace(subject, results=results)
+        said = any("only a sample" in reason for reason in missing_of_repaired(changed))
+        assert said == (way not in ("all", "set"))
 
 
 def test_a_tampered_log_gives_no_certified_curve(logged, tmp_path):

@@ -202,6 +202,7 @@ LABELS = {
 """Texts that may be any."""
 
 HOUSE = {
+    "asking": "a session and a study check what reaches them, and have tests of their mistakes of their own",
     "continuous": "has tests of its mistakes of its own",
     "conventions": "what TabularMDP calls; its words are checked there",
     "embeddings.Embedding": "a record of functions",

@@ -90,5 +90,5 @@ def test_installed_solvers_agree(solver):
 
 @pytest.mark.parametrize("discount", [-0.1, 1.0, 1.5, float("nan")])
 def test_a_discount_out_of_range_is_refused(discount):
-    with pytest.raises(InputError, match=r"discount is .* expected a number in"):
+    with pytest.raises(InputError, match=r"discount must be a number"):
         make_expert(parting_gift(), "discounted-lp", discount=discount)

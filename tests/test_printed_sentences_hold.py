@@ -76,7 +76,10 @@ ON_AVERAGE = ("missing_mass_expected",)
 """Computed exactly in a test of its own."""
 
 ABOUT_PROBABILITY = {bound.name: bound for bound in all_bounds() if is_about_probability(bound)}
-_NOT_SIMULATED = {*THE_PAPER_ALONE, *IN_THE_LEDGER, *BY_A_CHECK, *PARTS, *SHARES, *ON_AVERAGE}
+ABOUT_ANSWERS = tuple(name for name, bound in ABOUT_PROBABILITY.items() if bound.group == "answers")
+"""Statements about certified answers: each rests on the ledger's claim of its own source, whose checks simulate it."""
+
+_NOT_SIMULATED = {*THE_PAPER_ALONE, *IN_THE_LEDGER, *BY_A_CHECK, *PARTS, *SHARES, *ON_AVERAGE, *ABOUT_ANSWERS}
 
 
 @pytest.fixture(scope="module")
@@ -180,6 +183,16 @@ def test_what_rests_on_a_check_is_named_by_it(name: str, check: str) -> None:
     checker = getattr(importlib.import_module(module), function)
     assert f"theory.{name}" in inspect.getsource(checker)
     assert any(item.check is checker for claim in claims() for item in all_evidence(claim))
+
+
+@pytest.mark.parametrize("name", ABOUT_ANSWERS)
+def test_what_is_said_about_answers_rests_on_a_claim_that_holds(name: str) -> None:
+    from proofs_checks.ledger import all_evidence, claims
+
+    own = [claim for claim in claims() if claim.label == FORMULAS[name].source]
+    assert own
+    assert all(claim.verdict.startswith(("true", "cited")) for claim in own)
+    assert any(item.check is not None for claim in own for item in all_evidence(claim)) or name == "fewest_answers"
 
 
 @pytest.mark.parametrize(("part", "whole"), PARTS.items())

@@ -12,12 +12,13 @@ from bridge_algos.asking.config import AskConfig
 from bridge_algos.asking.session_file import load_session, save_session, session_path, session_record
 from bridge_algos.asking.tabular import build_problem, simulated_answer
 from bridge_algos.asking.utility import Utility, simulated_utility
+from bridge_algos.demonstrations import load_demonstrations
 from bridge_algos.embeddings import make_embedding
 from bridge_algos.envs.registry import make_mdp
 from bridge_algos.mdp import TabularMDP
 from bridge_algos.mdp_file import load_mdp
 from bridge_algos.run.parallel import check_jobs, for_each
-from bridge_algos.trajectories import Trajectories, load_trajectories
+from bridge_algos.trajectories import Trajectories
 from bridge_theory.errors import InputError
 
 
@@ -50,8 +51,7 @@ def prepare(config: AskConfig) -> tuple[TabularMDP, Utility, Trajectories | None
         norm /= make_embedding(config.embedding, mdp.n_states, mdp.n_actions, mdp.horizon).bound
     utility = simulated_utility(mdp, config.embedding, config.utility_range, norm)
     path = config.demonstrations
-    given = None if path is None else load_trajectories(path, mdp.n_states, mdp.n_actions, mdp.horizon)
-    return mdp, utility, given
+    return mdp, utility, None if path is None else load_demonstrations(path, mdp)
 
 
 def run_and_store(

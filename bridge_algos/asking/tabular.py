@@ -10,6 +10,7 @@ from scipy.special import expit
 from bridge_algos.asking.candidates import LISTED, Candidates, deviations, recorded_actions, version_space_candidates
 from bridge_algos.asking.elicitation import Ball, Elicitation
 from bridge_algos.asking.utility import Utility, step_features
+from bridge_algos.demonstrations import checked_demonstrations
 from bridge_algos.mdp import FloatArray, IntArray, TabularMDP
 from bridge_algos.occupancy import state_action_occupancies
 from bridge_algos.trajectories import Trajectories, sample_each, sample_trajectories
@@ -105,7 +106,9 @@ def build_problem(
     pool: int = POOL,
 ) -> Problem:
     """A problem with demonstrations of the utility's best policy, or with given ones."""
-    if demonstrations is None and n_demonstrations:
+    if demonstrations is not None:
+        checked_demonstrations(mdp, demonstrations)
+    elif n_demonstrations:
         demonstrations = sample_trajectories(mdp, utility.best.policy, n_demonstrations, rng)
     candidates = version_space_candidates(mdp, utility.embedding, demonstrations, limit, rng)
     owners = rng.integers(len(candidates.policies), size=pool)

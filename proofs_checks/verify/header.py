@@ -85,6 +85,11 @@ def check_header(log: RunLog) -> None:
     named = log.header.get("algorithms")
     if not isinstance(named, list) or not all(isinstance(name, str) for name in named):
         raise InputError(f"the log names its algorithms as {reprlib.repr(named)}, expected a list of names.")
+    searches = json_object(log.header, "search")
+    if set(searches) != set(log.algorithms) or not all(isinstance(words, str) for words in searches.values()):
+        raise InputError(
+            "the log's search must say in words what each of its algorithms searched; store the log again."
+        )
     configured = configured_algorithms(log)
     if not configured or list(log.algorithms) != configured or len(set(configured)) < len(configured):
         raise InputError(

@@ -56,6 +56,7 @@ class Certificates:
         multipliers: (B,) c.
         rival_multipliers: (B, k) mu.
         rest: (B, d) the vector v + c grad + D' mu, whose norm is part of the bound.
+        inside: (B, d) the points that reached it.
     """
 
     bound: FloatArray
@@ -64,6 +65,7 @@ class Certificates:
     multipliers: FloatArray
     rival_multipliers: FloatArray
     rest: FloatArray
+    inside: FloatArray
 
 
 def dual_bounds(
@@ -106,7 +108,7 @@ def search(
     w = np.repeat(region.interior[None], size, axis=0)
     s = np.maximum(0, -np.einsum("bkd,bd->bk", rows, w).min(axis=1, initial=0.0)) + 0.1 * region.weight_bound
     best = Certificates(
-        np.full(size, np.inf), np.full(size, -np.inf), w.copy(), np.zeros(size), np.zeros((size, k)), v.copy()
+        np.full(size, np.inf), np.full(size, -np.inf), w.copy(), np.zeros(size), np.zeros((size, k)), v.copy(), w.copy()
     )
     active = np.arange(size)
     for _ in range(STAGES):
@@ -136,7 +138,9 @@ def _record(best: Certificates, problem: _Barrier, active: np.ndarray, w: FloatA
     to = active[better]
     best.bound[to], best.points[to] = bound[better], w[better]
     best.multipliers[to], best.rival_multipliers[to], best.rest[to] = c[better], mu[better], rest[better]
-    closer = better | (reached > best.reached[active])
+    further = reached > best.reached[active]
+    best.inside[active[further]] = w[further]
+    closer = better | further
     best.reached[active] = np.maximum(best.reached[active], reached)
     return np.asarray(closer)
 

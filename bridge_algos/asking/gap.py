@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bridge_algos.asking.dual import Certificates, LikelihoodSet, search
+from bridge_algos.asking.dual import PENALTY, Certificates, LikelihoodSet, search
 from bridge_algos.mdp import FloatArray, IntArray
 
 Rivals = Callable[[IntArray], FloatArray]
@@ -30,6 +30,9 @@ BATCHES = (1, 2, 8, 32, 64)
 SHARED, SHARED_BLOCK = 32, 4096
 """Contenders from which on certificates are tried on their neighbours, and neighbours tried at a time."""
 
+LOOK_AGAIN = 1.03
+"""Growth of the answers after which the critical contender is searched for afresh, even if it stands."""
+
 TOLERANCE = 0.02
 """How exactly a bound above the target is computed, relative to the scale."""
 
@@ -42,11 +45,17 @@ class Critical:
         contender: its index.
         direction: (d,) v, its difference to what it is compared with.
         weights: (d,) weights in the likelihood set under which it is too good.
+        rows: (k, d) what it must be better at than its rivals.
+        recommended: what was recommended then.
+        answers: how many there were.
     """
 
     contender: int
     direction: FloatArray
     weights: FloatArray
+    rows: FloatArray
+    recommended: int
+    answers: int
 
 
 class Gap:
@@ -101,6 +110,8 @@ class Gap:
 
     def tighten(self, region: LikelihoodSet) -> None:
         """Lower the largest bounds until all are at most the target, or one is known to lie above it."""
+        if self._still_above(region):
+            return
         passed = 0
         while self.bounds.max() > self.target:
             above = np.flatnonzero(self.bounds > self.target)
@@ -111,6 +122,18 @@ class Gap:
             if self._work_on(region, chosen):
                 return
             passed += 1
+
+    def _still_above(self, region: LikelihoodSet) -> bool:
+        """Whether the weights found last still show a bound above the target; looked at afresh as answers grow."""
+        last = self.critical
+        if last is None or last.recommended != self.recommended or self.bounds[last.contender] <= self.target:
+            return False
+        if region.answers.total > LOOK_AGAIN * last.answers:
+            return False
+        w = last.weights
+        inside = w @ w < region.weight_bound**2 and region.answers.log_likelihood(w[None])[0] > region.level
+        short = float(np.maximum(0, -(last.rows @ w)).max(initial=0.0))
+        return bool(inside and last.direction @ w - PENALTY * short > self.target)
 
     def _work_on(self, region: LikelihoodSet, chosen: IntArray) -> bool:
         """Bound some contenders; whether one of them lies above the target."""
@@ -130,7 +153,9 @@ class Gap:
         worst = int(bounds.argmax())
         if bounds[worst] <= self.target:
             return False
-        self.critical = Critical(int(chosen[left][worst]), v[left][worst], found.points[worst])
+        contender = int(chosen[left][worst])
+        total = region.answers.total
+        self.critical = Critical(contender, v[left][worst], found.inside[worst], rows[worst], self.recommended, total)
         return True
 
     def _share(self, chosen: IntArray, found: Certificates, factor: FloatArray) -> None:

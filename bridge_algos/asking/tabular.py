@@ -18,6 +18,9 @@ from bridge_algos.trajectories import Trajectories, sample_each, sample_trajecto
 POOL = 400
 """Trajectories simulated for the pool, one of each of so many candidates."""
 
+KEPT = 2000
+"""Candidates whose rivals are remembered; those that decide come up again and again."""
+
 REFERENCES = ("random", "clone", "worst")
 """Whom shares are measured against: the uniformly random policy, the clone (uniform where
 nothing was demonstrated), or the candidate that is worst for the simulated teacher."""
@@ -71,8 +74,17 @@ class Problem:
         """A session with a simulated teacher, for whom the same pair asked again is a fresh draw."""
         candidates = self.candidates
 
+        known: dict[int, FloatArray] = {}
+
         def rivals(index: IntArray) -> FloatArray:
-            return deviations(self.mdp, self.utility.embedding, candidates.policies[index])
+            new = np.array([i for i in index.tolist() if i not in known], dtype=np.int64)
+            if len(known) > KEPT:
+                known.clear()
+                new = index
+            if len(new):
+                found = deviations(self.mdp, self.utility.embedding, candidates.policies[new])
+                known.update(zip(new.tolist(), found, strict=True))
+            return np.stack([known[i] for i in index.tolist()])
 
         return Elicitation(
             candidates.features,

@@ -21,7 +21,7 @@ def excluded(mdp: TabularMDP, demonstrations: Trajectories) -> str | None:
     Args:
         demonstrations: of states, actions and a horizon that fit the MDP, see :meth:`Trajectories.checked`.
 
-    >>> mdp = TabularMDP(transitions=[[[0, 1]], [[0, 1]]], initial=[1, 0], horizon=2, reward=[0, 1])
+    >>> mdp = TabularMDP(transitions=[[[0, 1]], [[0, 1]]], initial=[1, 0], horizon=2, reward=[[0], [1]])
     >>> excluded(mdp, Trajectories(np.array([[0, 1], [1, 1]]), np.array([[0, 0], [0, 0]])))
     "demonstration 1 starts in the state 's1', where 'mdp' never starts"
     """

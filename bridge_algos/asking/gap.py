@@ -30,7 +30,7 @@ BATCHES = (1, 2, 8, 32, 64)
 SHARED, SHARED_BLOCK = 32, 4096
 """Contenders from which on certificates are tried on their neighbours, and neighbours tried at a time."""
 
-LOOK_AGAIN = 1.03
+LOOK_AGAIN = 1.002
 """Growth of the answers after which the critical contender is searched for afresh, even if it stands."""
 
 TOLERANCE = 0.02

@@ -110,7 +110,7 @@ def unshown(log: RunLog, facts: Facts) -> dict[str, str]:
     """
     config, shown = facts.configuration, _shown(facts)
     unread = ("environment",) if config["environment"].endswith(".npz") else ()  # the file is not read again
-    found = {_printable(name): "" for name in log.header if name not in _SHOWN_HEADER}
+    found = {_printable(name): _PARTLY_HEADER.get(name, "") for name in log.header if name not in _SHOWN_HEADER}
     for name, value in config.items():
         if name not in shown:
             found[f"{_printable(name)} = {_written(value)}"] = "" if name in unread else _PARTLY.get(name, "")
@@ -131,6 +131,7 @@ def _written(value: Any) -> str:
 
 _LONGEST = 120
 _SHOWN_HEADER = ("format", "configuration", "horizon", "weight_bound", "algorithms")
+_PARTLY_HEADER = {"search": "whose searches it describes"}
 _PARTLY = {
     **dict.fromkeys(("environment", "environment_options"), "the dynamics"),
     "algorithms": "those that learn",

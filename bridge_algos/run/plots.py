@@ -134,7 +134,8 @@ def save(picture: Any, stem: Path) -> list[Path]:
         label: line for axes in picture.axes for line, label in zip(*axes.get_legend_handles_labels(), strict=True)
     }
     if curves and not picture.legends and all(axes.get_legend() is None for axes in picture.axes):
-        picture.legend(curves.values(), curves, loc="outside lower center", ncols=4, fontsize=8, frameon=False)
+        columns = max(1, min(4, 100 // max(map(len, curves))))  # long labels leave room for fewer
+        picture.legend(curves.values(), curves, loc="outside lower center", ncols=columns, fontsize=8, frameon=False)
     paths = [stem.with_suffix(".png"), stem.with_suffix(".pdf")]
     for path in paths:
         buffer = io.BytesIO()

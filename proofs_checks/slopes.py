@@ -98,6 +98,9 @@ class Slopes:
     def power(self, x: Any, exponent: Any) -> Slope:
         return lifted(x) ** lifted(exponent)
 
+    def power_near_one(self, x: Any, exponent: Any) -> Slope:
+        return self.exp(exponent * self.log1p(x))
+
     def sqrt(self, x: Any) -> Slope:
         return lifted(x).through(lambda v: v.sqrt(), lambda v: 1 / (2 * v.sqrt()))
 

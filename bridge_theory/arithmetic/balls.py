@@ -32,6 +32,9 @@ class Balls:
         exact = flint_balls.exact_power(x, exponent)
         return as_ball(x) ** as_ball(exponent) if exact is None else exact
 
+    def power_near_one(self, x: Value, exponent: Value) -> Value:
+        return self.power(1 + x, exponent)
+
     def sqrt(self, x: Value) -> Value:
         exact = flint_balls.exact_root(x, 2)
         return as_ball(x).sqrt() if exact is None else exact

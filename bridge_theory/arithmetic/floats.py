@@ -21,6 +21,9 @@ class Floats:
     def power(self, x: Value, exponent: Value) -> Value:
         return x**exponent
 
+    def power_near_one(self, x: Value, exponent: Value) -> Value:
+        return np.exp(exponent * np.log1p(x))
+
     def sqrt(self, x: Value) -> Value:
         return np.sqrt(x)
 

@@ -25,6 +25,9 @@ class Arithmetic(Protocol):
     def power(self, x: Value, exponent: Value) -> Value:
         """``x ** exponent`` where the exponent is a value and not a Python integer; ``x >= 0``."""
 
+    def power_near_one(self, x: Value, exponent: Value) -> Value:
+        """``(1 + x) ** exponent`` without losing digits of a small ``x``, for ``x > -1`` and whole exponents."""
+
     def sqrt(self, x: Value) -> Value:
         """Square root; the caller knows that ``x >= 0``."""
 

@@ -68,6 +68,9 @@ class Symbols:
     def power(self, x: Value, exponent: Value) -> Value:
         return x**exponent
 
+    def power_near_one(self, x: Value, exponent: Value) -> Value:
+        return (1 + x) ** exponent
+
     def sqrt(self, x: Value) -> Value:
         return sympy.sqrt(x)
 

@@ -71,6 +71,9 @@ class TrackedFloats:
     def power(self, x: Value, exponent: Value) -> Value:
         return _power(_tracked(x), _tracked(exponent))
 
+    def power_near_one(self, x: Value, exponent: Value) -> Value:
+        return self.exp(exponent * self.log1p(x))
+
     def sqrt(self, x: Value) -> Value:
         x = _tracked(x)
         at = np.sqrt(x.at)

@@ -32,7 +32,7 @@ def missing_mass_expected(m: Arithmetic, *, S: Value, n: Value) -> Value:
     >>> float(missing_mass_expected.estimate(S=4, n=1))
     1.0
     """
-    return S / (n + 1) * m.power(n / (n + 1), n)
+    return S / (n + 1) * m.power_near_one(-1 / (n + 1), n)
 
 
 @bound(

@@ -53,7 +53,7 @@ def cover(length: int, shift: int) -> set[Position]:
     >>> sorted(cover(3, 0))
     [(0, 0)]
     >>> len(cover(4, 0))
-    3
+    4
     """
     cells = list(_cells(length))
     holders = {cell: [at for at in _holders(cell) if (at[0] - at[1] - shift) % _PARTS == 0] for cell in cells}

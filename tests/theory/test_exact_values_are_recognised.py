@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from fractions import Fraction
 from typing import Any
 
 import pytest
 
-from bridge_theory import elliptical_floor, solve_for
+from bridge_theory import solve_for
 from bridge_theory.arithmetic import flint_balls
 from bridge_theory.arithmetic.balls import BALLS
 from bridge_theory.bound import Bound
@@ -110,15 +111,37 @@ def test_operations_keep_what_is_known() -> None:
     assert flint_balls.as_fraction(BALLS.min(BALLS.pi(), flint_balls.rational(4))) is None
 
 
-def test_a_bound_from_below_is_rounded_down_wherever_it_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
-    # the floor is 9.1201784...
-    point = {"W": 1, "d": 3, "T": 10, "gamma": 1, "diameter": 1}
-    value = elliptical_floor.value(**point)
+_FROM_BELOW: dict[str, dict[str, Any]] = {
+    "curvature_factor": {"reach": 1},
+    "elliptical_floor": {"W": 1, "d": 3, "T": 10, "gamma": 1, "diameter": 1},
+    "fewest_answers": {"information": "0.15", "delta": "0.05"},
+    "log_sigmoid_lower": {"margin": -2, "tangent": 1},
+    "share_gained": {"shortfall": 2},
+}
+"""Points at which the bounds from below have more than six digits."""
+
+
+@pytest.mark.parametrize("name", _FROM_BELOW)
+def test_a_bound_from_below_is_rounded_down_wherever_it_is_printed(
+    name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    point, bound = _FROM_BELOW[name], FORMULAS[name]
+    assert isinstance(bound, Bound)
+    value = bound.value(**point)
     assert value.enclosure.at_least == value.shown != value.enclosure.at_most
-    flags = [part for name, number in point.items() for part in (f"--{name}", str(number))]
+    flags = [f"--{key.replace('_', '-')}={number}" for key, number in point.items()]
     for form, printed in (([], value.shown), (["--latex"], rf"\geq {value.shown}")):
-        assert command.main([*flags, "--only", "elliptical_floor", *form]) == 0
-        out = capsys.readouterr().out
+        out = _printed(capsys, [*flags, "--only", name, *form])
         assert printed in out
-        assert value.enclosure.at_most not in out
-    assert [bound.name for bound in all_bounds() if bound.from_below] == ["elliptical_floor"]
+        assert value.enclosure.at_most not in re.findall(r"-?\d+\.?\d*", out)
+    assert value.shown in value.words
+    assert value.enclosure.at_most not in value.words
+
+
+def test_no_bound_from_below_is_left_out() -> None:
+    assert [bound.name for bound in all_bounds() if bound.from_below] == sorted(_FROM_BELOW)
+
+
+def _printed(capsys: pytest.CaptureFixture[str], arguments: list[str]) -> str:
+    assert command.main(arguments) == 0
+    return capsys.readouterr().out

@@ -9,6 +9,7 @@ import numpy as np
 
 from bridge_theory.arithmetic.balls import BALLS
 from bridge_theory.arithmetic.protocol import Value
+from bridge_theory.arithmetic.tracked import TRACKED, Tracked
 from bridge_theory.enclosure import ball_arguments, enclose
 from bridge_theory.errors import InputError
 from bridge_theory.parameters import Exact, to_exact
@@ -17,12 +18,16 @@ from bridge_theory.parameters import Exact, to_exact
 def at_most(sides: Callable[..., tuple[Value, Value]], **points: Any) -> Any:
     """Whether the first of ``sides(m, **point)`` is at most the second, for exact numbers or object arrays of them.
 
-    Returns a truth value or an array of them. Errors: ``InputError`` where the highest precision does not tell.
+    Of floats that know their error it tells whether it certainly is. Returns a truth value or an array of them. Errors: ``InputError`` where the highest precision does not tell.
 
     >>> from fractions import Fraction
     >>> at_most(lambda m, x: (x, m.exp(m.number(-1))), x=Fraction(3, 8))
     False
     """
+
+    if any(isinstance(point, Tracked) for point in points.values()):
+        left, right = sides(TRACKED, **points)
+        return left <= right  # certainly
 
     def difference(point: Mapping[str, Exact]) -> Value:
         left, right = sides(BALLS, **ball_arguments(point))

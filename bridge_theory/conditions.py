@@ -15,7 +15,11 @@ from bridge_theory.parameters import show
 
 @dataclass(frozen=True)
 class Condition:
-    """``holds`` takes some of the formula's parameters by name: exact numbers, object arrays of them, or tuples."""
+    """``holds`` takes some of the formula's parameters by name: exact numbers, object arrays of them, or tuples.
+
+    It compares by ``<=``, ``>=`` or ``==`` and negates nothing, because it is first tried on floats that know their
+    error, where a comparison holds if it certainly does; where one does not, the exact numbers decide.
+    """
 
     holds: Callable[..., Any]
     text: str

@@ -16,14 +16,18 @@ from bridge_theory.enclosure import Enclosure, ball_arguments, enclose
 from bridge_theory.parameters import Stored, parameter, to_exact
 
 if TYPE_CHECKING:
+    from bridge_theory.conditions import Condition
     from bridge_theory.formula import Formula
 
 _TRUSTED = 1e-11  # the relative error up to which a float is taken as it is
+_SMALLEST_NORMAL = 2.0**-1022  # below it float64 has fewer digits, and what is lost there is not told apart from 0
 _EXACT_INTEGERS = 2**53
 
 
 def estimated(formula: Formula, values: Mapping[str, object], floats: Mapping[str, FloatArray]) -> Any:
     """The value in float64, right to ten digits: infinite where the true value is, nan where there is none.
+
+    Below 1e-307, where float64 itself has fewer digits, it may be 0.
 
     Points at which the running error analysis finds more than rounding noise are evaluated in balls, at the exact
     numbers that were given. Arguments: a formula, what the user passed, and the same as validated float64.
@@ -32,7 +36,7 @@ def estimated(formula: Formula, values: Mapping[str, object], floats: Mapping[st
     with np.errstate(all="ignore"):  # branches that are not taken may overflow
         outcome = formula(TRACKED, **tracked)
         at, off = (outcome.at, outcome.off) if isinstance(outcome, Tracked) else (outcome, 0.0)
-        trusted = np.isfinite(at) & (off <= _TRUSTED * np.abs(at))
+        trusted = np.isfinite(at) & (off <= _TRUSTED * np.abs(at) + _SMALLEST_NORMAL)
     if np.all(trusted):
         return at
     scalars = [name for name in floats if not parameter(name).array]
@@ -44,6 +48,15 @@ def estimated(formula: Formula, values: Mapping[str, object], floats: Mapping[st
         point = {name: _at(exact[name], name, shape, place) for name in exact}
         result[place] = _nearest(enclose(lambda point=point: formula(BALLS, **ball_arguments(point))))  # type: ignore[misc]
     return result[()]
+
+
+def certainly_holds(condition: Condition, values: Mapping[str, object], floats: Mapping[str, FloatArray]) -> bool:
+    """Whether floats that know their error are enough to see that a condition on scalars holds at every point."""
+    if any(parameter(name).array for name in condition.parameters):
+        return False
+    with np.errstate(all="ignore"):
+        tracked = {name: _tracked(name, values[name], floats[name]) for name in condition.parameters}
+        return bool(np.all(condition.holds(**tracked)))
 
 
 def exact_points(values: Mapping[str, object], floats: Mapping[str, FloatArray]) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Literal
@@ -13,7 +13,7 @@ import numpy as np
 from bridge_theory.arithmetic import Value
 from bridge_theory.conditions import Condition
 from bridge_theory.errors import InputError
-from bridge_theory.estimation import estimated, exact_points
+from bridge_theory.estimation import certainly_holds, estimated, exact_points
 from bridge_theory.monotone import Monotone
 from bridge_theory.parameters import Given, Stored, parameter
 from bridge_theory.terms import combined
@@ -68,8 +68,10 @@ class Formula:
         """
         self._check_names(values)
         floats = {name: parameter(name).floats(value) for name, value in values.items()}
-        conditioned = dict.fromkeys(name for condition in self.conditions for name in condition.parameters)
-        self.check_conditions(exact_points({name: values[name] for name in conditioned}, floats))
+        unclear = [condition for condition in self.conditions if not certainly_holds(condition, values, floats)]
+        conditioned = dict.fromkeys(name for condition in unclear for name in condition.parameters)
+        if unclear:
+            self.check_conditions(exact_points({name: values[name] for name in conditioned}, floats), unclear)
         outcome = estimated(self, values, floats)
         return np.float64(outcome) if np.ndim(outcome) == 0 else np.asarray(outcome)
 
@@ -116,9 +118,9 @@ class Formula:
         parts += [f"needs {', '.join(name for name in self.parameters if name in missing)}"] if missing else []
         return f"{self.name} {' and '.join(parts)}; its parameters are {', '.join(self.parameters)}"
 
-    def check_conditions(self, values: Mapping[str, object]) -> None:
-        """Raise the error of the first condition that some point violates."""
-        for condition in self.conditions:
+    def check_conditions(self, values: Mapping[str, object], conditions: Iterable[Condition] | None = None) -> None:
+        """Raise the error of the first condition, of all or of those given, that some point violates."""
+        for condition in self.conditions if conditions is None else conditions:
             condition.check(self.name, values)
 
     def __repr__(self) -> str:

@@ -114,7 +114,11 @@ class Balls:
         return sum(terms, start=self.number(0))
 
     def minimum_over_integers(
-        self, objective: Callable[[Value], Value], near: Callable[..., FloatArray], *arguments: Value
+        self,
+        objective: Callable[[Value], Value],
+        step: Callable[[Value], Value],
+        near: Callable[..., FloatArray],
+        *arguments: Value,
     ) -> Value:
         with np.errstate(all="ignore"):  # the start proves nothing: where floats overflow, any will do
             start = float(near(*(np.float64(flint_balls.midpoint(x)) for x in arguments)))

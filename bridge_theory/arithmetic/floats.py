@@ -81,7 +81,11 @@ class Floats:
         return sum(terms, start=np.float64(0))
 
     def minimum_over_integers(
-        self, objective: Callable[[Value], Value], near: Callable[..., FloatArray], *arguments: Value
+        self,
+        objective: Callable[[Value], Value],
+        step: Callable[[Value], Value],
+        near: Callable[..., FloatArray],
+        *arguments: Value,
     ) -> Value:
         centre = np.rint(near(*arguments))
         return reduce(np.minimum, (objective(np.maximum(centre + shift, 1.0)) for shift in (-1.0, 0.0, 1.0)))

@@ -83,9 +83,14 @@ class Arithmetic(Protocol):
         """``sum_i summand(a_i, b_i, ...)`` over array-valued arguments of one length."""
 
     def minimum_over_integers(
-        self, objective: Callable[[Value], Value], near: Callable[..., FloatArray], *arguments: Value
+        self,
+        objective: Callable[[Value], Value],
+        step: Callable[[Value], Value],
+        near: Callable[..., FloatArray],
+        *arguments: Value,
     ) -> Value:
         """``min_{k >= 1} objective(k)`` over integers, for an objective that strictly falls and then strictly rises.
 
+        ``step(k)`` is ``objective(k + 1) - objective(k)`` in a form that does not cancel, for floats to certify by.
         ``near(*arguments)`` maps floats to a float close to the real minimiser: it saves time and proves nothing.
         """

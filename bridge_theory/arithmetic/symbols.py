@@ -132,7 +132,11 @@ class Symbols:
         return sympy.Sum(summand(*(array[i] for array in arrays)), (i, 1, cells))
 
     def minimum_over_integers(
-        self, objective: Callable[[Value], Value], near: Callable[..., FloatArray], *arguments: Value
+        self,
+        objective: Callable[[Value], Value],
+        step: Callable[[Value], Value],
+        near: Callable[..., FloatArray],
+        *arguments: Value,
     ) -> Value:
         k = sympy.Symbol("k", integer=True, positive=True)
         return MinimumOverIntegers(objective(k), k)

@@ -20,10 +20,16 @@ _UNIT = 2.0**-53  # the relative error of one rounding
 _LIBRARY = 8 * _UNIT  # NumPy's elementary functions are within a few units in the last place
 _BINOMIAL = 64 * _UNIT  # for the sums inside log_binomial
 _TINY = 5e-324  # what an underflow may lose
+_NEIGHBOURS = 2.0**52  # below it float64 holds every whole number and its neighbours
+_SPLIT = 2.0**27 + 1  # Veltkamp's factor, which halves the digits of a float
+_SMALL, _LARGE = 1e-250, 1e250  # between them the halves of a product neither underflow nor overflow
 
 
 class Tracked:
-    """A float64 scalar or array ``at`` with ``off``, at least its distance from the true number (nan: not known)."""
+    """A float64 scalar or array ``at`` with ``off``, at least its distance from the true number (nan: not known).
+
+    ``x <= y`` and ``x >= y`` hold, elementwise, where the true numbers certainly are in that order.
+    """
 
     __slots__ = ("at", "off")
     __array_ufunc__ = None  # an array on the left leaves the operation to this class
@@ -60,6 +66,12 @@ class Tracked:
 
     def __pow__(self, exponent: Value) -> Tracked:
         return _power(self, _tracked(exponent))
+
+    def __le__(self, other: Value) -> Value:
+        return _certainly_at_most(self, _tracked(other))
+
+    def __ge__(self, other: Value) -> Value:
+        return _certainly_at_most(_tracked(other), self)
 
 
 class TrackedFloats:
@@ -167,16 +179,20 @@ class TrackedFloats:
         return sum(terms, start=self.number(0))
 
     def minimum_over_integers(
-        self, objective: Callable[[Value], Value], near: Callable[..., FloatArray], *arguments: Value
+        self,
+        objective: Callable[[Value], Value],
+        step: Callable[[Value], Value],
+        near: Callable[..., FloatArray],
+        *arguments: Value,
     ) -> Value:
         centre = np.rint(near(*(_tracked(argument).at for argument in arguments)))
         candidates = [np.maximum(centre + shift, 1.0) for shift in (-1.0, 0.0, 1.0)]
-        before, middle, after = (_tracked(objective(Tracked(k))) for k in candidates)
-        smallest = _chosen(np.minimum, (before, middle, after))
-        # the objective falls and then rises: a certified fall to the middle and rise from it enclose the minimum
-        falls = (candidates[1] == 1) | (before.at - middle.at > before.off + middle.off)
-        rises = after.at - middle.at > after.off + middle.off
-        return Tracked(smallest.at, np.where(falls & rises, smallest.off, np.inf))
+        smallest = _chosen(np.minimum, tuple(objective(Tracked(k)) for k in candidates))
+        # the objective falls and then rises: a certain fall to the first candidate and rise from the last enclose it
+        into, beyond = (_tracked(step(Tracked(k))) for k in (np.maximum(candidates[0] - 1, 1.0), candidates[2]))
+        falls = (candidates[0] == 1) | (into.at + into.off < 0)
+        certain = falls & (beyond.at - beyond.off > 0) & (centre < _NEIGHBOURS)
+        return Tracked(smallest.at, np.where(certain, smallest.off, np.inf))
 
 
 def inexact(at: Value, exact: int | Fraction) -> Tracked:
@@ -216,8 +232,14 @@ def _added(x: Tracked, y: Tracked) -> Tracked:
     return Tracked(at, (x.off + y.off) * (1 + 4 * _UNIT) + np.abs(lost))
 
 
+def _certainly_at_most(x: Tracked, y: Tracked) -> Value:
+    return np.asarray(y.at) - x.at >= (x.off + y.off) * (1 + 4 * _UNIT)
+
+
 def _multiplied(x: Tracked, y: Tracked) -> Tracked:
     at = x.at * y.at
+    if _exact(x, y):
+        return Tracked(at, np.where(_in_range(x.at, y.at, at), np.abs(_lost(x.at, y.at, at)), _cut(x, y, at)))
     exact = (np.asarray(x.at) == 0) & (np.asarray(x.off) == 0) | (np.asarray(y.at) == 0) & (np.asarray(y.off) == 0)
     off = np.abs(x.at) * y.off + x.off * (np.abs(y.at) + y.off) + _UNIT * np.abs(at) + _TINY
     return Tracked(at, np.where(exact, 0.0, off))
@@ -225,15 +247,50 @@ def _multiplied(x: Tracked, y: Tracked) -> Tracked:
 
 def _divided(x: Tracked, y: Tracked) -> Tracked:
     at = x.at / y.at
+    if _exact(x, y):
+        product = at * y.at
+        rest = (x.at - product) - _lost(at, y.at, product)  # of the division, exactly
+        rounding = np.abs(rest / y.at) * (1 + 4 * _UNIT)
+        bound = np.where((np.asarray(x.at) == 0) & (np.asarray(y.at) != 0), 0.0, _UNIT * np.abs(at) + _TINY)
+        return Tracked(at, np.where(_in_range(x.at, y.at, at), rounding, bound))
     least = np.abs(y.at) - y.off  # of the denominator's size
     off = np.where(least > 0, (x.off + np.abs(at) * y.off) / least, np.inf) + _UNIT * np.abs(at) + _TINY
     return Tracked(at, np.where((np.asarray(x.at) == 0) & (np.asarray(x.off) == 0) & (least > 0), 0.0, off))
 
 
+def _exact(x: Tracked, y: Tracked) -> bool:
+    return bool(np.all(np.asarray(x.off) == 0) and np.all(np.asarray(y.off) == 0))
+
+
+def _cut(x: Tracked, y: Tracked, at: Value) -> Value:
+    zero = (np.asarray(x.at) == 0) | (np.asarray(y.at) == 0)
+    return np.where(zero, 0.0, _UNIT * np.abs(at) + _TINY)
+
+
+def _in_range(*values: Value) -> Value:
+    return reduce(np.logical_and, ((np.abs(v) > _SMALL) & (np.abs(v) < _LARGE) for v in map(np.asarray, values)))
+
+
+def _lost(x: Value, y: Value, at: Value) -> Value:
+    """``x y - at`` where ``at`` is the rounded product and all three are in range, exactly (Dekker's two-product)."""
+    x_high, x_low = _halves(x)
+    y_high, y_low = _halves(y)
+    return ((x_high * y_high - at) + x_high * y_low + x_low * y_high) + x_low * y_low
+
+
+def _halves(x: Value) -> tuple[Value, Value]:
+    scaled = _SPLIT * x
+    high = scaled - (scaled - x)
+    return high, x - high
+
+
 def _power(x: Tracked, exponent: Tracked) -> Tracked:
     at = x.at**exponent.at
     base = np.abs(np.asarray(x.at))
-    if np.all(np.asarray(x.off) == 0) and np.all(np.asarray(exponent.off) == 0):
+    if _exact(x, exponent) and np.all(np.asarray(exponent.at) == 2):
+        square = _multiplied(x, x)
+        return Tracked(at, square.off + 2 * np.abs(at - square.at))
+    if _exact(x, exponent):
         return Tracked(at, np.where((base == 0) | (base == 1), 0.0, _rounded(at)))
     # |log| of the base moves by -log(1 - off / base), and the power's logarithm by what that and the exponent do
     moved = -np.abs(exponent.at) * np.log1p(-_ratio(x.off, x.at)) + np.abs(np.log(base)) * exponent.off

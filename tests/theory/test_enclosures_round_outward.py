@@ -120,7 +120,7 @@ def test_enclosure_arithmetic() -> None:
 
 
 def _minimum(objective: object, near: float) -> arb:
-    return BALLS.minimum_over_integers(objective, lambda: np.float64(near))
+    return BALLS.minimum_over_integers(objective, lambda k: objective(k + 1) - objective(k), lambda: np.float64(near))
 
 
 @pytest.mark.parametrize("near", [1.0, 3.2, 40.0])

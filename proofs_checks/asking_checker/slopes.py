@@ -1,7 +1,7 @@
 r"""Tangents of the log-likelihood with exact slopes: half-spaces that contain the likelihood set.
 
-:math:`\log \sigma(z) = \min_{0 \le p \le 1} (p z + H(p))`, H the binary entropy in nats. So slopes p_r for the distinct
-questions, whatever they are, give :math:`\ell_t(w) \le \langle g, w \rangle + \sum_r N_r H(p_r)` with
+:math:`\log \sigma(z) = \min_{0 \le p \le 1} (p z - H(p))`, H the binary entropy in nats. So slopes p_r for the distinct
+questions, whatever they are, give :math:`\ell_t(w) \le \langle g, w \rangle - \sum_r N_r H(p_r)` with
 :math:`g = \sum_r (N_r p_r - n^0_r) x_r`, for every w. Slopes are multiples of 2^-16, features and counts whole
 numbers: g is exact, the entropies come from a table made in balls, and nothing here rests on a float's exponential.
 This is companion G2's tangent, except that its points may differ from question to question.
@@ -25,15 +25,15 @@ PARTS = 2**16
 """Slopes are whole multiples of 1 / PARTS."""
 
 BITS = 40
-"""Entropies are whole multiples of 2^-BITS, rounded up."""
+"""Entropies are whole multiples of 2^-BITS, rounded down."""
 
 
 @cache
 def entropies() -> NDArray[np.int64]:
-    """(PARTS + 1,) H(k / PARTS) in units of 2^-BITS, rounded up."""
+    """(PARTS + 1,) H(k / PARTS) in units of 2^-BITS, rounded down."""
     terms = [ball(0)] + [-ball(k) / PARTS * (ball(k) / PARTS).log() for k in range(1, PARTS)] + [ball(0)]
     half = [
-        int(((terms[k] + terms[PARTS - k]) * 2**BITS).upper().ceil().unique_fmpz()) for k in range(PARTS // 2 + 1)
+        int(((terms[k] + terms[PARTS - k]) * 2**BITS).lower().floor().unique_fmpz()) for k in range(PARTS // 2 + 1)
     ]
     return np.array(half + half[-2::-1], dtype=np.int64)
 
@@ -50,5 +50,5 @@ def tangents(log: Log, w: FloatArray, until: int | None = None) -> tuple[FloatAr
         raise InputError(f"{total.sum()} answers with features of this size are more than the checker's integers hold.")
     chosen: IntArray = np.rint(sigmoid(-(w @ x.T)) * PARTS).astype(np.int64)
     gradient = (total * chosen - zeros * PARTS).astype(np.float64) @ x / PARTS  # whole numbers below 2^53, exactly
-    height = entropies()[chosen] @ total
-    return gradient, np.nextafter(height.astype(np.float64), np.inf) * 2.0**-BITS
+    entropy = entropies()[chosen] @ total
+    return gradient, -np.nextafter(entropy.astype(np.float64), -np.inf) * 2.0**-BITS

@@ -18,6 +18,7 @@ from bridge_theory.arithmetic.flint_balls import working_precision
 from bridge_theory.errors import InputError
 from proofs_checks.asking_checker.barrier import Region
 from proofs_checks.asking_checker.candidates import features_of
+from proofs_checks.asking_checker.earlier import Earlier
 from proofs_checks.asking_checker.evidence import level
 from proofs_checks.asking_checker.facts import Claims, Facts, claims, facts
 from proofs_checks.asking_checker.gap import Gap
@@ -30,7 +31,10 @@ from proofs_checks.verify.features import IntArray
 BITS = 64
 
 AGREES = 1e-6
-"""Nats by which a claimed gap may lie below the checker's."""
+"""By how much of the goal a claimed gap may lie below the checker's."""
+
+ALLOWED = 1e-9
+"""Nats that stand for none: features are known to a rounding only, so that a gap of exactly 0 cannot be shown."""
 
 
 def check(record: Mapping[str, Any]) -> Verdict:
@@ -70,22 +74,24 @@ def _verdict(seed: int, given: Facts, claimed: Claims) -> Verdict:
         return Verdict(verdict="contradicted", **shared)
     if not is_inside(log, region.inside, least, fixed.weight_bound):
         return Verdict(verdict="not certified", reasons=("The likelihood set may be empty.",), **shared)
-    found = certified_gap(given, region, min(fixed.target, claimed.gap) if claimed.certified else fixed.target)
+    found = certified_gap(given, region, claimed)
     reasons = _failures(found.value, fixed.target, claimed)
     return Verdict(verdict="not certified" if reasons else "certified", reasons=reasons, gap=found.value, **shared)
 
 
-def certified_gap(given: Facts, region: Region, target: float) -> Gap:
-    """Bounds for every candidate."""
+def certified_gap(given: Facts, region: Region, claimed: Claims) -> Gap:
+    """Bounds for every candidate; where a certificate is claimed, with what earlier sets say too."""
     log, fixed = given.log, given.setting
+    target = max(ALLOWED, min(fixed.target, claimed.gap) if claimed.certified else fixed.target)
 
     def known(points: FloatArray) -> tuple[FloatArray, FloatArray]:
         g, h = tangents(log, points)
         return g[:, None], np.nextafter(h - region.level, np.inf)[:, None]
 
     rivals = partial(deviations, given) if given.candidates.complete else None
-    gap = Gap(given.candidates, given.anchor, given.recommended, region, known, rivals, target)
-    gap.tighten(1e-3 * (fixed.target or 0.1))
+    earlier = Earlier(log, fixed.precisions, fixed.delta, region).cuts if claimed.certified else None
+    gap = Gap(given.candidates, given.anchor, given.recommended, region, known, rivals, target, earlier)
+    gap.tighten(1e-3 * fixed.target or 1e-6)
     return gap
 
 
@@ -101,10 +107,9 @@ def deviations(given: Facts, policies: IntArray) -> Enclosed:
 
 
 def _failures(gap: float, target: float, claimed: Claims) -> tuple[str, ...]:
-    slack = AGREES * max(1.0, target) if target else 0.0
-    if gap > max(target, 1e-9 if target else 0.0):
+    if gap > max(target, ALLOWED):
         return (f"The gap that is found is {gap:.6g} nats.",)
-    if claimed.certified and gap > claimed.gap + slack:
+    if claimed.certified and gap > claimed.gap + max(ALLOWED, AGREES * target):
         return (f"The session claims a gap of {claimed.gap:.6g} nats; {gap:.6g} nats are found.",)
     return ()
 
@@ -112,7 +117,7 @@ def _failures(gap: float, target: float, claimed: Claims) -> tuple[str, ...]:
 def _goal(given: Facts) -> str:
     if given.setting.rho:
         share = 100 / (1 + given.setting.rho)
-        return f"at least {share:.4g} % of what there is to gain over the reference is gained"
+        return f"at least {share:.4g} % of what there is to gain over the reference is gained, up to 1e-9 nats"
     return f"the recommended candidate is within {given.setting.target:.4g} nats of the best"
 
 

@@ -25,6 +25,9 @@ ROWS = 24
 SIZES = (1, 4, 16, 64)
 """Candidates searched at a time, the more the longer it takes."""
 
+TURNS, AT_ONCE = 12, 8
+"""Searches for a candidate, and candidates whose points are looked up in earlier sets at a time."""
+
 MOST_STUCK = 200
 """Candidates found above the target after which the search ends: no certificate is in sight."""
 
@@ -41,6 +44,7 @@ class Gap:
         tangents: what is known about the set.
         deviations: further rivals, or None where only candidates count.
         target: the bound to reach.
+        earlier: for points (B, d) what earlier sets say, tangents (J, d) and (J,); None to leave that aside.
     """
 
     candidates: Candidates
@@ -50,11 +54,13 @@ class Gap:
     tangents: Tangents
     deviations: Deviations | None
     target: float
+    earlier: Tangents | None = None
     bounds: FloatArray = field(init=False)
-    points: dict[int, FloatArray] = field(init=False, default_factory=dict)
+    cuts: tuple[FloatArray, FloatArray] = field(init=False)
 
     def __post_init__(self) -> None:
         d = self.candidates.features.shape[1]
+        self.cuts = np.zeros((0, d)), np.zeros(0)
         nothing = np.zeros((1, 0))
         trivial = duals(
             self.anchor, (np.zeros((1, 0, d)), nothing), nothing, Enclosed(np.zeros((1, 0, d)), 0.0), nothing
@@ -81,34 +87,43 @@ class Gap:
             stuck[chosen] = self.bounds[chosen] > self.target
 
     def _work_on(self, chosen: IntArray, accuracy: float) -> None:
-        """Search for certificates of some candidates, first without rivals, then with those that are violated."""
+        """Search for certificates of some candidates, first without rivals, then with those that are violated, and with
+        earlier sets that the points found are not in."""
         d = self.candidates.features.shape[1]
         rivals = Enclosed(np.zeros((len(chosen), 0, d)), 0.0)
         found = self._search(chosen, rivals, accuracy)
-        for _ in range(3):
+        for turn in range(TURNS):
             left = self.bounds[chosen] > self.target
             chosen, points = chosen[left], found.points[left]
             if not len(chosen):
                 return
             kept = (rivals.mid[left], found.mu[left])
             rivals, news = self._rivals(chosen, points, *kept, rivals.rad)
+            if self.earlier is not None and (turn or not news):
+                g, h = self.earlier(points[:AT_ONCE])
+                self.cuts = np.concatenate([self.cuts[0], g]), np.concatenate([self.cuts[1], h])
+                news |= len(h) > 0
             if not news:
-                break
+                return
             found = self._search(chosen, rivals, accuracy)
-        for index, point in zip(chosen.tolist(), found.points, strict=False):
-            self.points[index] = point
 
     def _search(self, chosen: IntArray, rivals: Enclosed, accuracy: float) -> Found:
         own = self.candidates.features[chosen]
         rows = own[:, None] - rivals.mid
         lengths = np.linalg.norm(rows, axis=2)
         lengths = np.where(lengths > 1e-6, lengths, np.inf)
-        unit = rows / lengths[..., None]
-        found = search(self.region, own - self.anchor.mid, unit, np.zeros(unit.shape[:2]), accuracy)
-        g, h = self.tangents(found.points)
-        dual = duals(self.anchor, (g, h), found.c[:, None], rivals, found.mu / lengths)
+        size, k = lengths.shape
+        g, h = (np.repeat(part[None], size, axis=0) for part in self.cuts)
+        steep = np.maximum(np.linalg.norm(g, axis=2), 1e-12)
+        offsets = np.concatenate([np.zeros((size, k)), h / steep], axis=1)
+        unit = np.concatenate([rows / lengths[..., None], g / steep[..., None]], axis=1)
+        found = search(self.region, own - self.anchor.mid, unit, offsets, accuracy)
+        own_g, own_h = self.tangents(found.points)
+        c = np.concatenate([found.c[:, None], found.mu[:, k:] / steep], axis=1)
+        both = np.concatenate([own_g, g], axis=1), np.concatenate([own_h, h], axis=1)
+        dual = duals(self.anchor, both, c, rivals, found.mu[:, :k] / lengths)
         self._apply(dual, np.flatnonzero(self.bounds > self.target))
-        return found
+        return Found(found.points, found.c, found.mu[:, :k])
 
     def _apply(self, dual: Duals, to: IntArray) -> None:
         features, radii = self.candidates.features[to], self.candidates.radii[to]

@@ -18,7 +18,8 @@ from proofs_checks.verify.enclosed import FloatArray
 PENALTY = 6.0
 """P, relative to the length of v; rows have length 1."""
 
-GROWTH, NEWTON, ENOUGH = 8.0, 25, 1e-9
+GROWTH, NEWTON, ENOUGH, ROUGH, REFRESH = 10.0, 30, 1e-9, 1e-4, 3
+"""Growth of tau, steps at most, gains below which a stage ends (the last, and others), and steps between curvatures."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,27 +50,51 @@ class Found:
     mu: FloatArray
 
 
-def search(region: Region, v: FloatArray, rows: FloatArray, offsets: FloatArray, accuracy: float) -> Found:
-    """Dual points for directions v (B, d) with rows (B, k, d) and offsets (B, k), to about ``accuracy`` nats."""
+def search(
+    region: Region, v: FloatArray, rows: FloatArray, offsets: FloatArray, accuracy: float, target: float
+) -> Found:
+    """Dual points for directions v (B, d) with rows (B, k, d) and offsets (B, k), to about ``accuracy`` nats.
+
+    A direction whose bound seems to be at most ``target`` is left as it is.
+    """
     size, k = rows.shape[:2]
     scale = region.weight_bound * np.maximum(np.linalg.norm(v, axis=1), 1e-9)
     tau, last = 1.0, max(10.0, (2 + k) * float(scale.max()) / accuracy)
-    w = np.repeat(region.inside[None], size, axis=0)
-    while True:
-        height = _Height(region, v / scale[:, None] * tau, rows, offsets, tau * PENALTY / region.weight_bound)
-        w = _climb(height, w)
+    found = Found(np.repeat(region.inside[None], size, axis=0), np.zeros(size), np.zeros((size, k)))
+    active = np.arange(size)
+    while len(active):
+        objective = v[active] / scale[active, None] * tau
+        height = _Height(region, objective, rows[active], offsets[active], tau * PENALTY / region.weight_bound)
+        w = _climb(height, found.points[active], ENOUGH if tau >= last else ROUGH)
+        gradient, room = slopes(region, w), np.maximum(log_likelihood(region, w) - region.level, 1e-12)
+        found.points[active], found.c[active] = w, scale[active] / (tau * room)
+        found.mu[active] = height.soft(w)[0] * (scale[active] / tau)[:, None]
+        c, mu = found.c[active], found.mu[active]
+        rest = v[active] + c[:, None] * gradient + np.einsum("bk,bkd->bd", mu, rows[active])
+        bound = c * (room - np.vecdot(gradient, w)) + (mu * offsets[active]).sum(axis=1)
+        bound += region.weight_bound * np.linalg.norm(rest, axis=1)
         if tau >= last:
             break
-        tau = min(tau * GROWTH, last)
-    room = np.maximum(log_likelihood(region, w) - region.level, 1e-12)
-    slope, _ = height.soft(w)
-    return Found(w, scale / (tau * room), slope * (scale / tau)[:, None])
+        active, tau = active[bound > target - 0.01 * accuracy], min(tau * GROWTH, last)
+    return found
+
+
+def slopes(region: Region, w: FloatArray) -> FloatArray:
+    """(B, d) gradients of the log-likelihood."""
+    p = sigmoid(w @ region.x.T)
+    return np.asarray((region.ones - (region.ones + region.zeros) * p) @ region.x)
+
+
+def curvatures(region: Region, w: FloatArray) -> FloatArray:
+    """(B, d, d) negative Hessians of the log-likelihood."""
+    p = sigmoid(w @ region.x.T)
+    return np.stack([(region.x.T * row) @ region.x for row in (region.ones + region.zeros) * p * (1 - p)])
 
 
 def log_likelihood(region: Region, w: FloatArray) -> FloatArray:
     """(B,) of weights (B, d)."""
     z = w @ region.x.T
-    return np.asarray(log_sigmoid(z) @ region.ones + log_sigmoid(-z) @ region.zeros)
+    return np.asarray(log_sigmoid(z) @ (region.ones + region.zeros) - z @ region.zeros)
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,17 +127,14 @@ class _Height:
         first = 2 * self.a / _positive_sum(u * self.a, root)
         return first, first**2 / 2 * (1 + u * self.a / root)
 
-    def step(self, w: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Newton's steps (B, d) and what they would gain at first order (B,)."""
+    def step(self, w: FloatArray, curvature: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Newton's steps (B, d), and what they would gain at first order (B,)."""
         region, eye = self.region, np.eye(w.shape[1])
-        p = sigmoid(w @ region.x.T)
-        total = region.ones + region.zeros
-        gradient = (region.ones - total * p) @ region.x
         room = (log_likelihood(region, w) - region.level)[:, None]
         ball = (region.weight_bound**2 - np.vecdot(w, w))[:, None]
-        slope = self.objective + gradient / room - 2 * w / ball
-        bend = np.stack([(region.x.T * row) @ region.x for row in total * p * (1 - p)]) / room[..., None]
-        bend += (gradient / room)[:, :, None] * (gradient / room)[:, None]
+        gradient = slopes(region, w) / room
+        slope = self.objective + gradient - 2 * w / ball
+        bend = curvature / room[..., None] + gradient[:, :, None] * gradient[:, None]
         bend += 2 * eye / ball[..., None] + 4 * (w / ball)[:, :, None] * (w / ball)[:, None]
         if self.rows.shape[1]:
             first, second = self.soft(w)
@@ -130,14 +152,16 @@ def _positive_sum(ua: FloatArray, root: FloatArray) -> FloatArray:
     return np.asarray(2 + np.where(ua > 0, ua + root, 4 / (root - np.minimum(ua, 0))))
 
 
-def _climb(height: _Height, w: FloatArray) -> FloatArray:
+def _climb(height: _Height, w: FloatArray, enough: float) -> FloatArray:
     """Newton's method with halved steps, each direction by itself."""
     here = height.value(w)
-    for _ in range(NEWTON):
-        step, gain = height.step(w)
-        if gain.max() < ENOUGH:
+    for turn in range(NEWTON):
+        if turn % REFRESH == 0:
+            curvature = curvatures(height.region, w)
+        step, gain = height.step(w, curvature)
+        if gain.max() < enough:
             break
-        length = np.where(gain > ENOUGH, 1.0, 0.0)
+        length = np.where(gain > enough, 1.0, 0.0)
         noise = 1e-13 * np.abs(here)  # near the top the gain is below what the height's rounding shows
         for _ in range(30):
             there = height.value(w + length[:, None] * step)

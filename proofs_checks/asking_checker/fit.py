@@ -18,7 +18,7 @@ def sigmoid(z: FloatArray) -> FloatArray:
 
 def log_sigmoid(z: FloatArray) -> FloatArray:
     """Its logarithm, without overflow."""
-    return np.asarray(-np.logaddexp(0.0, -z))
+    return np.asarray(np.minimum(z, 0.0) - np.log1p(np.exp(-np.abs(z))))
 
 
 def fitted_normal(

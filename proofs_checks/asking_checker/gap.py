@@ -28,7 +28,7 @@ SIZES = (1, 4, 16, 64)
 TURNS, AT_ONCE = 12, 8
 """Searches for a candidate, and candidates whose points are looked up in earlier sets at a time."""
 
-MOST_STUCK = 200
+MOST_STUCK = 32
 """Candidates found above the target after which the search ends: no certificate is in sight."""
 
 
@@ -117,7 +117,7 @@ class Gap:
         steep = np.maximum(np.linalg.norm(g, axis=2), 1e-12)
         offsets = np.concatenate([np.zeros((size, k)), h / steep], axis=1)
         unit = np.concatenate([rows / lengths[..., None], g / steep[..., None]], axis=1)
-        found = search(self.region, own - self.anchor.mid, unit, offsets, accuracy)
+        found = search(self.region, own - self.anchor.mid, unit, offsets, accuracy, self.target)
         own_g, own_h = self.tangents(found.points)
         c = np.concatenate([found.c[:, None], found.mu[:, k:] / steep], axis=1)
         both = np.concatenate([own_g, g], axis=1), np.concatenate([own_h, h], axis=1)

@@ -25,8 +25,9 @@ ROWS = 24
 SIZES = (1, 4, 16, 64)
 """Candidates searched at a time, the more the longer it takes."""
 
-TURNS, AT_ONCE = 12, 8
-"""Searches for a candidate, and candidates whose points are looked up in earlier sets at a time."""
+TURNS, AT_ONCE, NEAR = 12, 8, 1.5
+"""Searches for a candidate; candidates whose points are looked up in earlier sets at a time; and up to which multiple of
+the target that may help."""
 
 MOST_STUCK = 32
 """Candidates found above the target after which the search ends: no certificate is in sight."""
@@ -99,8 +100,9 @@ class Gap:
                 return
             kept = (rivals.mid[left], found.mu[left])
             rivals, news = self._rivals(chosen, points, *kept, rivals.rad)
-            if self.earlier is not None and (turn or not news):
-                g, h = self.earlier(points[:AT_ONCE])
+            near = self.bounds[chosen] <= max(NEAR * self.target, 0.1)
+            if self.earlier is not None and near.any() and (turn or not news):
+                g, h = self.earlier(points[near][:AT_ONCE])
                 self.cuts = np.concatenate([self.cuts[0], g]), np.concatenate([self.cuts[1], h])
                 news |= len(h) > 0
             if not news:

@@ -62,7 +62,16 @@ def _answers(r: Record, rng: np.random.Generator) -> None:
 def _questions(r: Record, rng: np.random.Generator) -> None:
     size = len(r["pool"]["states"])
     row = [int(rng.integers(size)), int(rng.integers(size)), int(rng.integers(2))]
-    changes = [row, [row[0], row[0], 1], [row[0], size, 1], [-1, row[1], 1], [True, row[1], 1], [0.0, 1, 1], [1, 2], None]
+    changes = [
+        row,
+        [row[0], row[0], 1],
+        [row[0], size, 1],
+        [-1, row[1], 1],
+        [True, row[1], 1],
+        [0.0, 1, 1],
+        [1, 2],
+        None,
+    ]
     place = int(rng.integers(len(r["questions"]) + 1))
     r["questions"][place : place + 1] = [changes[rng.integers(len(changes))]]
 
@@ -103,7 +112,9 @@ def _weight_bound(r: Record, rng: np.random.Generator) -> None:
 
 
 def _header(r: Record, rng: np.random.Generator) -> None:
-    name = str(rng.choice(["prior_precisions", "delta", "until", "goal_nats", "rho", "utility_range", "reference", "complete"]))
+    name = str(
+        rng.choice(["prior_precisions", "delta", "until", "goal_nats", "rho", "utility_range", "reference", "complete"])
+    )
     value = r[name]
     if name == "until":
         value = str(rng.choice(["20%", "90%", "1nats", "share=50%", "100nats", "never"]))
@@ -244,7 +255,9 @@ def _oracle_gap(r: Record, mdp: TabularMDP, policies: np.ndarray) -> float:
     worst = 0.0
     for policy in policies:
         mine = features(mdp, policy)
-        changed = [np.where(np.arange(mdp.n_states) == s, a, policy) for s in range(mdp.n_states) for a in range(mdp.n_actions)]
+        changed = [
+            np.where(np.arange(mdp.n_states) == s, a, policy) for s in range(mdp.n_states) for a in range(mdp.n_actions)
+        ]
         rivals = np.array([features(mdp, p) for p in (*policies, *(changed if r["complete"] else []))])
         if np.allclose(mine, anchor):
             continue

@@ -39,8 +39,15 @@ def fitted_normal(
         z = mu[:, None] + s[:, None] * NODES
         p = sigmoid(z)
         root = np.linalg.cholesky(covariance)
-        value = ones @ (log_sigmoid(z) @ MASSES) + zeros @ (log_sigmoid(-z) @ MASSES) - 0.5 * (
-            precision * ((root**2).sum() + mean @ mean) - d * (1 + np.log(precision)) - 2 * np.log(np.diag(root)).sum()
+        value = (
+            ones @ (log_sigmoid(z) @ MASSES)
+            + zeros @ (log_sigmoid(-z) @ MASSES)
+            - 0.5
+            * (
+                precision * ((root**2).sum() + mean @ mean)
+                - d * (1 + np.log(precision))
+                - 2 * np.log(np.diag(root)).sum()
+            )
         )
         gain = value - best
         if gain > 0:

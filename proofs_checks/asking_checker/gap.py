@@ -147,7 +147,9 @@ class Gap:
         rows = features[chosen][:, None] - both
         lengths = np.maximum(np.linalg.norm(rows, axis=2), 1e-6)
         value = np.einsum("bkd,bd->bk", rows, points) / lengths
-        binding = np.concatenate([mu > 1e-3 * mu.max(axis=1, initial=1e-12, keepdims=True), np.zeros(others.shape[:2])], 1)
+        binding = np.concatenate(
+            [mu > 1e-3 * mu.max(axis=1, initial=1e-12, keepdims=True), np.zeros(others.shape[:2])], 1
+        )
         score = np.where(binding > 0, -np.inf, value)
         keep = np.argsort(score, axis=1, kind="stable")[:, :ROWS]
         news = bool((value[:, old.shape[1] :] < -1e-6 * self.region.weight_bound).any())

@@ -61,7 +61,9 @@ def proved_log_likelihood(log: Log, w: FloatArray) -> float:
     z = log.x @ w
     wrong = (len(w) + 4) * UNIT * (np.abs(log.x) @ np.abs(w)) * (1 + 1e-9) + 1e-280
     total = ball(0)
-    for low, high, n1, n0 in zip((z - wrong).tolist(), (z + wrong).tolist(), ones.tolist(), zeros.tolist(), strict=True):
+    for low, high, n1, n0 in zip(
+        (z - wrong).tolist(), (z + wrong).tolist(), ones.tolist(), zeros.tolist(), strict=True
+    ):
         if n1:
             total -= n1 * (-ball(Fraction(low))).exp().log1p()
         if n0:

@@ -32,9 +32,7 @@ BITS = 40
 def entropies() -> NDArray[np.int64]:
     """(PARTS + 1,) H(k / PARTS) in units of 2^-BITS, rounded down."""
     terms = [ball(0)] + [-ball(k) / PARTS * (ball(k) / PARTS).log() for k in range(1, PARTS)] + [ball(0)]
-    half = [
-        int(((terms[k] + terms[PARTS - k]) * 2**BITS).lower().floor().unique_fmpz()) for k in range(PARTS // 2 + 1)
-    ]
+    half = [int(((terms[k] + terms[PARTS - k]) * 2**BITS).lower().floor().unique_fmpz()) for k in range(PARTS // 2 + 1)]
     return np.array(half + half[-2::-1], dtype=np.int64)
 
 

@@ -45,7 +45,10 @@ def _checked(path: Path, run: Path) -> tuple[Certificate, ...]:
 
 
 def _parser() -> argparse.ArgumentParser:
-    p = Parser(prog="bridge-rl verify", description="Recompute a run from its log and certify its regret bounds, or certify asking sessions.")
+    p = Parser(
+        prog="bridge-rl verify",
+        description="Recompute a run from its log and certify its regret bounds, or certify asking sessions.",
+    )
     p.add_argument("run", type=Path, metavar="RUN", help="directory of 'bridge-rl run ... --log' or 'ask', or one file")
     p.add_argument("--seed", type=int, help="only this seed (default: all)")
     p.add_argument("--json", action="store_true", help="print JSON, for logs with the bounds of every round")

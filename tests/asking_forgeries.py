@@ -188,12 +188,12 @@ def implied(r: Record) -> bool:
         sound &= bool(np.isclose(2 * np.linalg.norm(w), r["weight_bound"], rtol=1e-8))
         sound &= bool(np.isclose(_range(mdp, w.reshape(n_states, n_actions)), r["utility_range"], rtol=1e-6))
     demos = r["demonstrations"]
-    taken = {} if demos is None else dict(zip(sum(demos["states"], []), sum(demos["actions"], []), strict=True))
+    paths = [] if demos is None else zip(demos["states"], demos["actions"], strict=True)
+    pairs = [pair for states, actions in paths for pair in zip(states, actions, strict=True)]
+    taken = dict(pairs)
     for part in (r["pool"], *([] if demos is None else [demos])):
         sound &= all(_possible(mdp, s, a) for s, a in zip(part["states"], part["actions"], strict=True))
-    if demos is not None:
-        pairs = zip(sum(demos["states"], []), sum(demos["actions"], []), strict=True)
-        sound &= all(taken[s] == a for s, a in pairs)
+    sound &= all(taken[s] == a for s, a in pairs)
     choices = [[taken[s]] if s in taken else range(n_actions) for s in range(n_states)]
     policies = np.array(list(itertools.product(*choices)) if r["complete"] else r["candidates"])
     sound &= r["recommended"] in policies.tolist()

@@ -1,4 +1,4 @@
-"""``bridge-rl verify`` certifies what honest asking sessions claim, refuses what is malformed, and shares no code with them."""
+"""``bridge-rl verify`` certifies what honest sessions claim, and refuses what is malformed."""
 
 import ast
 import json
@@ -47,7 +47,8 @@ def test_every_claim_of_an_honest_session_is_certified(name: str) -> None:
     verdict = check(record)
     assert record["claims"]["certified"] == ("not certified" not in name)
     assert verdict.verdict == ("not certified" if "not certified" in name else "certified"), verdict.sentence()
-    assert verdict.stands and verdict.covered
+    assert verdict.stands
+    assert verdict.covered
     if record["claims"]["certified"]:
         assert verdict.gap <= max(record["claims"]["gap"] * (1 + 1e-6), 1e-9)
     assert verdict.candidates == record["claims"]["candidates"]
@@ -57,7 +58,8 @@ def test_a_claim_that_is_not_reached_is_not_certified() -> None:
     record = json.loads(json.dumps(honest("starmdp")))
     record["claims"]["gap"] = record["outcome"]["certified_gap"] = 0.1
     verdict = check(record)
-    assert verdict.verdict == "not certified" and not verdict.stands
+    assert verdict.verdict == "not certified"
+    assert not verdict.stands
 
 
 def test_contradictory_answers_are_no_certificate() -> None:
@@ -74,7 +76,8 @@ def test_contradictory_answers_are_no_certificate() -> None:
     record["questions"] = [[i, j, 1] for i, j in _pairs(record, weights)]
     record["claims"]["answers"] = record["outcome"]["questions"] = len(record["questions"])
     verdict = check(record)
-    assert verdict.verdict == "contradicted" and not verdict.stands, verdict.sentence()
+    assert verdict.verdict == "contradicted", verdict.sentence()
+    assert not verdict.stands, verdict.sentence()
 
 
 def _pairs(record: dict[str, Any], weights: np.ndarray) -> list[tuple[int, int]]:
@@ -119,8 +122,10 @@ def test_what_the_record_itself_contradicts_is_refused(name: str) -> None:
         place = place[key]
     place[path[-1]] = value
     verdict = check(record)
-    assert verdict.verdict == "refused" and words in verdict.reasons[0], verdict.reasons
-    assert len(verdict.reasons[0].splitlines()) == 1 and verdict.reasons[0].endswith(".")
+    assert verdict.verdict == "refused", verdict.reasons
+    assert words in verdict.reasons[0], verdict.reasons
+    assert len(verdict.reasons[0].splitlines()) == 1
+    assert verdict.reasons[0].endswith(".")
 
 
 def test_a_person_is_never_asked_a_pair_twice() -> None:
@@ -139,7 +144,9 @@ def test_command_line_tells_and_returns(tmp_path: Path, capsys: pytest.CaptureFi
     assert digest(record) == record_digest(record)
     assert main(["verify", str(tmp_path)]) == 0
     out = capsys.readouterr().out
-    assert "1 of 1 certified" in out and "no file can show" in out and "assuming" in out
+    assert "1 of 1 certified" in out
+    assert "no file can show" in out
+    assert "assuming" in out
     assert main(["verify", str(tmp_path / "session-0000.json"), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)[0]["verdict"] == "certified"
     lie = {

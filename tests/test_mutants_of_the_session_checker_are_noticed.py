@@ -31,7 +31,9 @@ def problems() -> list[str]:
         plain = oracle_level(x, list(fixed.precisions), fixed.delta)
         least = evidence.level(given.log, fixed.precisions, fixed.delta)
         found += ["level"] if not plain - 1e-4 <= least <= plain + 1e-9 else []
-        taken = dict(zip(sum(record()["demonstrations"]["states"], []), sum(record()["demonstrations"]["actions"], [])))
+        shown = record()["demonstrations"]
+        pairs = [pair for row in zip(shown["states"], shown["actions"], strict=True) for pair in zip(*row, strict=True)]
+        taken = dict(pairs)
         listed = list(itertools.product(*[[taken[s]] if s in taken else range(4) for s in range(5)]))
         found += ["candidates"] if sorted(map(tuple, given.candidates.policies.tolist())) != sorted(listed) else []
         found += ["bounds"] if not _bounds_hold(given, plain, x) else []
@@ -84,18 +86,18 @@ def _rounded_up() -> bool:
 
 Patch = Callable[[pytest.MonkeyPatch], None]
 level, divergence, expectation = evidence.level, evidence.divergence, evidence.expectation
-space, deviate, bounds, table, tangents = (
+space, bounds, table, tangents = (
     candidates.version_space,
-    checker.deviations,
     dual.bounds,
     slopes.entropies,
     slopes.tangents,
 )
 
 
-def _double(given: Any, policies: Any) -> Enclosed:
-    found = deviate(given, policies)
-    return Enclosed(0.2 * found.mid, found.rad)
+def _invented(given: Any, policies: Any) -> Enclosed:
+    """Rivals that are no policies: beating them means not to beat the recommended one."""
+    own = candidates.features_of(given.setting.mdp, given.setting.table, policies)
+    return Enclosed((2 * own.mid - given.anchor.mid)[:, None], own.rad)
 
 
 def _no_rounding(m: pytest.MonkeyPatch) -> None:
@@ -114,7 +116,7 @@ MUTANTS: dict[str, Patch] = {
     ),
     "the spread is halved": lambda m: m.setattr(evidence, "expectation", lambda mu, s: expectation(mu, s / 2)),
     "a candidate is missing": lambda m: m.setattr(facts, "version_space", lambda r, n: space(r, n)[1:]),
-    "rivals are no policies": lambda m: m.setattr(checker, "deviations", _double),
+    "rivals are no policies": lambda m: m.setattr(checker, "deviations", _invented),
     "W is halved": lambda m: m.setattr("proofs_checks.asking_checker.gap.bounds", lambda *a: bounds(*a[:4], a[4] / 2)),
     "entropies are rounded up": lambda m: m.setattr(slopes, "entropies", lambda: table() + 1),
     "nothing is rounded": _no_rounding,

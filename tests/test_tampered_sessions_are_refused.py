@@ -1,4 +1,4 @@
-"""A session's record that was changed is certified only for what the changed record itself implies, and never crashes."""
+"""A record that was changed is certified only for what it now implies, and never crashes the checker."""
 
 import json
 from functools import cache
@@ -41,7 +41,8 @@ def false_certificates(count: int, seed: int = 0) -> tuple[list[str], dict[str, 
 def test_no_tampering_gives_a_false_certificate() -> None:
     wrong, verdicts = false_certificates(TAMPERINGS)
     assert not wrong, wrong
-    assert verdicts["refused"] > TAMPERINGS // 4 and verdicts["certified"] > 2, verdicts
+    assert verdicts["refused"] > TAMPERINGS // 4, verdicts
+    assert verdicts["certified"] > 2, verdicts
 
 
 @pytest.mark.parametrize("seed", [0, 5])

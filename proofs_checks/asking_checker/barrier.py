@@ -1,9 +1,9 @@
 r"""A search for dual points in floats, for a batch of directions at once: hints, which nothing trusts.
 
 Maximises <v, w> over the likelihood set within the ball, with each row <D_k, w> + e_k >= 0 softened: violating it by s
-costs P s. The best s for a barrier log(u + s) + log s - a s (u the row's value, a = tau P) has a closed form, so that the
-rows add a smooth concave function psi(u) with :math:`\psi'(u) = 2 a / (2 + u a + \sqrt{4 + u^2 a^2})` to the height, and
-every point of the set is feasible.
+costs P s. The best s for a barrier log(u + s) + log s - a s (u the row's value, a = tau P) has a closed form, so
+that the rows add a smooth concave function psi(u) with :math:`\psi'(u) = 2 a / (2 + u a + \sqrt{4 + u^2 a^2})` to
+the height, and every point of the set is feasible.
 """
 
 from __future__ import annotations

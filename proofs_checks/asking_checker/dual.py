@@ -1,9 +1,10 @@
 r"""Dual certificates, evaluated with every rounding bounded: one bounds every candidate (companion G2 and G3).
 
-Weights of the set satisfy <g_j, w> + h_j >= 0 for every tangent j (h_j less the level), and the best candidate beats every
-policy it is compared with. So for the candidate with features phi, anchor a, c_j >= 0 and mu_k >= 0
+Weights of the set satisfy <g_j, w> + h_j >= 0 for every tangent j (h_j less the level), and the best candidate beats
+every policy it is compared with. So for the candidate with features phi, anchor a, c_j >= 0 and mu_k >= 0
 
-.. math:: \langle \phi - a, w \rangle \le \sum_j c_j h_j + W \| \phi - a + \sum_j c_j g_j + \sum_k \mu_k (\phi - \phi_k) \|
+.. math:: \langle \phi - a, w \rangle
+          \le \sum_j c_j h_j + W \| \phi - a + \sum_j c_j g_j + \sum_k \mu_k (\phi - \phi_k) \|
           = o + W \| f \phi + b \|
 
 with o = sum c_j h_j, f = 1 + sum mu_k and b = -a + sum c_j g_j - sum mu_k phi_k, in which only phi is the candidate's.

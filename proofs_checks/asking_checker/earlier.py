@@ -1,4 +1,4 @@
-"""What earlier answers alone have shown: the weights lie in every set so far at once, so that each set's tangents count.
+"""What earlier answers alone have shown: the weights lie in every set so far, so that all tangents count.
 
 A session stops when its last bound falls, and other bounds may have fallen before, in a set that later answers widened.
 """

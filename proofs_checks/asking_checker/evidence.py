@@ -1,8 +1,8 @@
-r"""The evidence of the answers from below, in balls: :math:`E_q[\ell_t] - KL(q \| \nu)` (companion G1'), for any hint q.
+r"""The evidence of the answers from below, in balls: :math:`E_q[\ell_t] - KL(q \| \nu)` (companion G1'), any q.
 
 q = N(m, L L'), with m and L exact floats. For a question x the expectation is that of :math:`\log \sigma(\mu + s u)`,
-u a standard normal, :math:`\mu = \langle x, m \rangle`, :math:`s = \| L' x \|`. It grows in mu and falls in s (log sigma
-is increasing and concave), so that a float below mu and one above s serve.
+u a standard normal, :math:`\mu = \langle x, m \rangle`, :math:`s = \| L' x \|`. It grows in mu and falls in s (log
+sigma is increasing and concave), so that a float below mu and one above s serve.
 
 The integral of :math:`f(u) = \log \sigma(\mu + s u) \varphi(u)` is computed by the trapezoidal rule with step h, which
 errs by at most :math:`2 M / (e^{2 \pi a / h} - 1)` where f is analytic for :math:`|Im\,u| < a + \epsilon` and

@@ -15,7 +15,7 @@ from proofs_checks.asking_checker.log import Log, read_log
 from proofs_checks.asking_checker.reference import reference
 from proofs_checks.asking_checker.setting import Setting, setting
 from proofs_checks.asking_checker.trajectories import demonstrated, trajectories
-from proofs_checks.verify.enclosed import Enclosed, FloatArray
+from proofs_checks.verify.enclosed import Enclosed
 from proofs_checks.verify.features import IntArray
 
 

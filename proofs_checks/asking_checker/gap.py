@@ -1,4 +1,4 @@
-"""The certified gap: a bound for every candidate, each from a dual certificate found by search and evaluated rigorously."""
+"""The certified gap: a bound for every candidate, from dual certificates found by search, evaluated rigorously."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ SIZES = (1, 4, 16, 64)
 """Candidates searched at a time, the more the longer it takes."""
 
 TURNS, AT_ONCE, NEAR = 12, 8, 1.5
-"""Searches for a candidate; candidates whose points are looked up in earlier sets at a time; and up to which multiple of
-the target that may help."""
+"""Searches for a candidate; candidates whose points are looked up in earlier sets at a time; and up to which multiple
+of the target that may help."""
 
 MOST_STUCK = 32
 """Candidates found above the target after which the search ends: no certificate is in sight."""

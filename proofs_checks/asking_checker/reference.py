@@ -1,4 +1,4 @@
-"""The policy that shares are measured against, from its name: its features are computed, and compared with the record."""
+"""The policy that shares are measured against, from its name: its features are computed and compared."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ from proofs_checks.asking_checker.barrier import Region, log_likelihood
 from proofs_checks.asking_checker.fit import sigmoid
 from proofs_checks.asking_checker.log import Log
 from proofs_checks.asking_checker.slopes import tangents
-from proofs_checks.verify.enclosed import UNIT, FloatArray, largest_norms, Enclosed
+from proofs_checks.verify.enclosed import UNIT, Enclosed, FloatArray, largest_norms
 
 
 def region_at(log: Log, level: float, weight_bound: float) -> Region:

@@ -86,8 +86,8 @@ def table(verdicts: Sequence[Verdict]) -> str:
     widths = [max(len(row[i]) for row in rows) for i in range(len(head))]
     lines = ["  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)) for row in rows]
     lines.append(
-        "gap: nats, each rounded up (with a share: what must be at most 0); margin: nats by which the likeliest weights "
-        "exceed the level; covered: whether the simulated teacher's weights are in the set, for information"
+        "gap: nats, each rounded up (with a share: what must be at most 0); margin: nats by which the likeliest "
+        "weights exceed the level; covered: whether the simulated teacher's weights are in the set, for information"
     )
     shown = dict.fromkeys(sentence for v in verdicts if v.verdict == "certified" for sentence in v.assumptions)
     lines += [f"assuming: {sentence}" for sentence in shown]

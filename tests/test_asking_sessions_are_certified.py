@@ -13,7 +13,7 @@ from bridge_algos.asking.config import AskConfig
 from bridge_algos.asking.session_file import record_digest, save_session
 from bridge_algos.asking.study import prepare, run_session
 from experiments.cli import main
-from proofs_checks.asking_checker import check
+from proofs_checks.asking_checker.checker import check
 from proofs_checks.asking_checker.file import digest
 
 ROOT = Path(__file__).parent.parent
@@ -22,7 +22,7 @@ SESSIONS: dict[str, tuple[str, int, dict[str, Any]]] = {
     "starmdp, an earlier set decides": ("starmdp", 3, {"n_demonstrations": 1}),
     "starmdp, without demonstrations": ("starmdp", 0, {"n_demonstrations": 0, "until": "70%"}),
     "starmdp, one candidate": ("starmdp", 2, {}),
-    "starmdp, share": ("starmdp", 0, {"until": "share=70%"}),
+    "starmdp, share": ("starmdp", 5, {"until": "share=80%", "reference": "clone"}),
     "starmdp, share over the worst": ("starmdp", 5, {"until": "share=60%", "reference": "worst"}),
     "starmdp, a sample": ("starmdp", 0, {"limit": 10, "n_demonstrations": 1, "until": "20%"}),
     "starmdp, small range": ("starmdp", 0, {"utility_range": None, "weight_norm": 5.0, "until": "40%"}),
@@ -70,8 +70,8 @@ def test_contradictory_answers_are_no_certificate() -> None:
     record["claims"]["answers"] = record["outcome"]["questions"] = 1000
     assert check(record).verdict == "not certified"
     weights = np.array(record["teacher"]["weights"])
-    record["weight_bound"] /= 1000
-    record["prior_precisions"] = [k * 1e6 for k in record["prior_precisions"]]
+    record["weight_bound"] /= 10
+    record["prior_precisions"] = [k * 100 for k in record["prior_precisions"]]
     record["teacher"] = None
     record["questions"] = [[i, j, 1] for i, j in _pairs(record, weights)]
     record["claims"]["answers"] = record["outcome"]["questions"] = len(record["questions"])

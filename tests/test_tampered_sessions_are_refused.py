@@ -10,7 +10,7 @@ from asking_forgeries import implied, tampered
 
 from bridge_algos.asking.config import AskConfig
 from bridge_algos.asking.study import prepare, run_session
-from proofs_checks.asking_checker import check
+from proofs_checks.asking_checker.checker import check
 
 TAMPERINGS = 60
 

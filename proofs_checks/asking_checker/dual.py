@@ -83,7 +83,7 @@ def nearest(dual: Duals, features: FloatArray, weight_bound: float) -> IntArray:
     """(N,) for each candidate the certificate that seems to bound it best; a choice in floats, which nothing trusts."""
     squares = dual.factor[:, None] ** 2 * np.vecdot(features, features) + np.vecdot(dual.shift, dual.shift)[:, None]
     squares += 2 * dual.factor[:, None] * (dual.shift @ features.T)
-    return (dual.offset[:, None] + weight_bound * np.sqrt(np.maximum(squares, 0))).argmin(axis=0)
+    return np.asarray((dual.offset[:, None] + weight_bound * np.sqrt(np.maximum(squares, 0))).argmin(axis=0))
 
 
 def _up(x: FloatArray) -> FloatArray:

@@ -33,12 +33,12 @@ def fitted_normal(
     """
     d, total = x.shape[1], ones + zeros
     mean, covariance = np.zeros(d), np.eye(d) / precision
-    kept, best = (mean, np.linalg.cholesky(covariance)), -np.inf
+    kept, best = (mean, np.asarray(np.linalg.cholesky(covariance))), -np.inf
     for _ in range(steps):
         mu, s = x @ mean, np.sqrt(np.maximum(np.vecdot(x @ covariance, x), 0))
         z = mu[:, None] + s[:, None] * NODES
         p = sigmoid(z)
-        root = np.linalg.cholesky(covariance)
+        root = np.asarray(np.linalg.cholesky(covariance))
         value = (
             ones @ (log_sigmoid(z) @ MASSES)
             + zeros @ (log_sigmoid(-z) @ MASSES)
@@ -55,8 +55,8 @@ def fitted_normal(
         if gain < 1e-7 and np.isfinite(gain):
             break
         curvature = total * ((p * (1 - p)) @ MASSES)
-        covariance = np.linalg.inv((x.T * curvature) @ x + precision * np.eye(d))
-        covariance = (covariance + covariance.T) / 2
+        inverse = np.linalg.inv((x.T * curvature) @ x + precision * np.eye(d))
+        covariance = np.asarray((inverse + inverse.T) / 2)
         step = covariance @ (x.T @ (ones - total * (p @ MASSES)) - precision * mean)
         mean = mean + step * min(1.0, 4.0 / max(float(np.abs(x @ step).max(initial=0.0)), 1e-12))
     return kept

@@ -1,4 +1,4 @@
-"""``bridge-rl verify``: does a run's log prove its regret bounds?"""
+"""``bridge-rl verify``: does a run's log prove its regret bounds, or a session's file its certificate?"""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from bridge_theory.cli.options import Parser
 from bridge_theory.errors import InputError
+from proofs_checks.asking_checker.cli import holds_sessions, verify_sessions
 
 if TYPE_CHECKING:
     from proofs_checks.verify.certificate import Certificate
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
 def main(argv: list[str]) -> int:
     """Verify logs. Returns 0 when all are certified, else 1; an unreadable log is a user's mistake."""
     options = _parser().parse_args(argv)
+    if holds_sessions(options.run):
+        return verify_sessions(options.run, options.seed, options.json)
     from proofs_checks.verify.certificate import table
 
     certificates = [item for path in _paths(options.run, options.seed) for item in _checked(path, options.run)]
@@ -42,10 +45,13 @@ def _checked(path: Path, run: Path) -> tuple[Certificate, ...]:
 
 
 def _parser() -> argparse.ArgumentParser:
-    p = Parser(prog="bridge-rl verify", description="Recompute a run from its log and certify its regret bounds.")
-    p.add_argument("run", type=Path, metavar="RUN", help="directory of 'bridge-rl run ... --log', or one log file")
+    p = Parser(
+        prog="bridge-rl verify",
+        description="Recompute a run from its log and certify its regret bounds, or certify asking sessions.",
+    )
+    p.add_argument("run", type=Path, metavar="RUN", help="directory of 'bridge-rl run ... --log' or 'ask', or one file")
     p.add_argument("--seed", type=int, help="only this seed (default: all)")
-    p.add_argument("--json", action="store_true", help="print JSON with the bounds of every round")
+    p.add_argument("--json", action="store_true", help="print JSON, for logs with the bounds of every round")
     return p
 
 

@@ -4,8 +4,10 @@ The judge shares nothing with the checker but the hint q: it lists policies with
 recursion in plain floats, evidence by a fine Gauss-Hermite rule, and each gap with cvxpy.
 """
 
+import contextlib
 import copy
 import itertools
+import warnings
 from typing import Any
 
 import cvxpy as cp
@@ -278,10 +280,12 @@ def _largest(
     for until, least in zip(ends, levels[-len(ends) :], strict=True):
         known += [-cp.sum(cp.logistic(-(x[:until] @ w))) >= least] if until else []
     problem = cp.Problem(cp.Maximize(v @ w), known)
-    try:
-        problem.solve(solver=cp.CLARABEL)
-    except cp.SolverError:
-        problem.solve(solver=cp.SCS, eps=1e-7, max_iters=20000)
+    for solver, settings in ((cp.CLARABEL, {}), (cp.SCS, {"eps": 1e-7, "max_iters": 20_000})):
+        with warnings.catch_warnings(), contextlib.suppress(cp.SolverError):
+            warnings.simplefilter("ignore")  # an inaccurate end is read from the status
+            problem.solve(solver=solver, **settings)
+        if problem.status in ("optimal", "infeasible"):
+            break
     if problem.status in ("infeasible", "infeasible_inaccurate"):
         return -np.inf
     return float(problem.value)

@@ -196,7 +196,6 @@ class Elicitation:
                 + (f" with ||w|| <= {self.weight_bound:.4g}" if bounded else ""),
                 "questions are left unanswered for no reason that depends on the answer",
                 words,
-                *(("the best policy is better than the reference",) if self.goal.rho else ()),
             ),
             needs_weight_bound=bounded,
             answers=self.answers.total,

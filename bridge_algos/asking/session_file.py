@@ -58,7 +58,7 @@ def session_record(
         "claims": {
             "certified": certificate.certified,
             "contradicted": session.contradicted,
-            "gap": certificate.gap,
+            "gap": session.gap.value,
             "answers": certificate.answers,
             "candidates": certificate.candidates,
             "sentence": certificate.sentence,

@@ -18,13 +18,13 @@ from bridge_theory.parameters import Exact, to_exact
 def at_most(sides: Callable[..., tuple[Value, Value]], **points: Any) -> Any:
     """Whether the first of ``sides(m, **point)`` is at most the second, for exact numbers or object arrays of them.
 
-    Of floats that know their error it tells whether it certainly is. Returns a truth value or an array of them. Errors: ``InputError`` where the highest precision does not tell.
+    Of floats that know their error it tells whether it certainly is. Returns a truth value or an array of them.
+    Errors: ``InputError`` where the highest precision does not tell.
 
     >>> from fractions import Fraction
     >>> at_most(lambda m, x: (x, m.exp(m.number(-1))), x=Fraction(3, 8))
     False
     """
-
     if any(isinstance(point, Tracked) for point in points.values()):
         left, right = sides(TRACKED, **points)
         return left <= right  # certainly

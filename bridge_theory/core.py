@@ -23,8 +23,8 @@ Conventions over ``m``:
 
 - ``+ - * /`` and ``x**2`` work on values; two Python integers must not meet (``1 / 2`` is a float): write ``x / 2`` or
   ``m.number(Fraction(1, 2))``. No float literals, ever. ``m.power(m.number(2), -S)`` where the exponent is a value.
-- ``m.sqrt, m.log, m.log1p, m.exp, m.expm1, m.cosh, m.sin, m.arcsin, m.arccos, m.pi()``, and three that lose no digits or
-  know exact values: ``m.log1p_ratio(x, y)``, ``m.one_minus_root(x, n)``, ``m.power_near_one(x, n)``.
+- ``m.sqrt, m.log, m.log1p, m.exp, m.expm1, m.cosh, m.sin, m.arcsin, m.arccos, m.pi()``, and three that
+  lose no digits: ``m.log1p_ratio(x, y)``, ``m.one_minus_root(x, n)``, ``m.power_near_one(x, n)``.
 - ``m.min(...)``, ``m.max(...)`` (integers allowed among the arguments), ``m.ceil(x)``.
 - Branches: ``m.if_at_most(x, y, lambda: then, lambda: otherwise)`` is ``then`` where ``x <= y``; lambdas, because the
   other branch may have no value. An undecided ball encloses both.

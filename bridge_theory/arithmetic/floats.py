@@ -11,6 +11,8 @@ import numpy as np
 from bridge_theory.arithmetic.protocol import FloatArray, Value
 from bridge_theory.arithmetic.special import log_binomial
 
+FEW_FACTORS = 64
+
 
 class Floats:
     """Every value is a float64 scalar or array."""
@@ -22,7 +24,10 @@ class Floats:
         return x**exponent
 
     def power_near_one(self, x: Value, exponent: Value) -> Value:
-        return np.exp(exponent * np.log1p(x))
+        # few factors lose little, and may be exact
+        return self.if_at_most(
+            exponent, FEW_FACTORS, lambda: (1 + x) ** exponent, lambda: np.exp(exponent * np.log1p(x))
+        )
 
     def sqrt(self, x: Value) -> Value:
         return np.sqrt(x)

@@ -23,6 +23,7 @@ class MinimumOverIntegers(sympy.Function):  # type: ignore[misc]  # SymPy is unt
     """
 
     nargs = 2
+    is_real = True  # so that a comparison of numbers is decided
 
     @property
     def free_symbols(self) -> set[sympy.Symbol]:
@@ -59,6 +60,46 @@ class MinimumOverIntegers(sympy.Function):  # type: ignore[misc]  # SymPy is unt
         return rf"\min_{{{k} \geq 1}} \left[ {objective} \right]"
 
 
+class Root(sympy.Function):  # type: ignore[misc]  # SymPy is untyped
+    r"""``x ** (1 / degree)`` as an unevaluated expression: SymPy writes out the powers of the digits of a rational root.
+
+    Source: elementary. Arguments: ``x`` > 0 and ``degree`` > 0. Returns on ``evalf`` the root, on ``doit`` the power.
+    Errors: none.
+
+    >>> Root(sympy.Rational(1, 4), 2).evalf()
+    0.500000000000000
+    >>> Root(sympy.Symbol("x"), 1), Root(sympy.Integer(1), sympy.Symbol("n"))
+    (x, 1)
+    """
+
+    nargs = 2
+    is_real = True  # so that a comparison of numbers is decided
+
+    @classmethod
+    def eval(cls, x: Value, degree: Value) -> Value:
+        return x if degree == 1 or x == 1 else None
+
+    def doit(self, **hints: Value) -> Value:
+        x, degree = self.args
+        return x ** (1 / degree)
+
+    def fdiff(self, argindex: int = 1) -> Value:
+        x, degree = self.args
+        return self / (x * degree) if argindex == 1 else -self * sympy.log(x) / degree**2
+
+    def _eval_is_positive(self) -> Value:
+        return self.args[0].is_positive
+
+    def _eval_evalf(self, precision: int) -> Value:
+        if self.free_symbols:
+            return None
+        x, degree = (part.evalf(int(precision * 0.30103) + 20) for part in self.args)
+        return sympy.Float(sympy.exp(sympy.log(x) / degree), precision=precision)
+
+    def _latex(self, printer: Value, exp: Value = None) -> str:
+        return str(printer._print(self.doit() if exp is None else self.doit() ** exp))
+
+
 class Symbols:
     """Every value is a SymPy expression; array-valued arguments are ``IndexedBase`` objects or tuples of numbers."""
 
@@ -90,7 +131,7 @@ class Symbols:
         return sympy.exp(x) - 1
 
     def one_minus_root(self, x: Value, degree: Value) -> Value:
-        return 1 - x ** (self.number(1) / degree)
+        return 1 - Root(x, degree)
 
     def cosh(self, x: Value) -> Value:
         return sympy.cosh(x)

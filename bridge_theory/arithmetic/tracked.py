@@ -13,7 +13,7 @@ from functools import reduce
 
 import numpy as np
 
-from bridge_theory.arithmetic.floats import FLOATS
+from bridge_theory.arithmetic.floats import FEW_FACTORS, FLOATS
 from bridge_theory.arithmetic.protocol import FloatArray, Value
 
 _UNIT = 2.0**-53  # the relative error of one rounding
@@ -84,7 +84,9 @@ class TrackedFloats:
         return _power(_tracked(x), _tracked(exponent))
 
     def power_near_one(self, x: Value, exponent: Value) -> Value:
-        return self.exp(exponent * self.log1p(x))
+        return self.if_at_most(
+            exponent, FEW_FACTORS, lambda: self.power(1 + x, exponent), lambda: self.exp(exponent * self.log1p(x))
+        )
 
     def sqrt(self, x: Value) -> Value:
         x = _tracked(x)

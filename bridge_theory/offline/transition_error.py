@@ -179,9 +179,7 @@ def transition_error_repaired(m: Arithmetic, *, S: Value, H: Value, n: Value, de
         lambda: m.number(0),
         lambda: m.minimum_over_integers(
             lambda k: 2 * rows / n * m.log_binomial(k + 2 * S - 2, S - 1) + 2 * H * m.log1p((S - 1) / k),
-            lambda k: (
-                2 * rows / n * m.log1p((S - 1) / (k + S)) + 2 * H * m.log1p(-(S - 1) / ((k + 1) * (k + S - 1)))
-            ),
+            lambda k: 2 * rows / n * m.log1p((S - 1) / (k + S)) + 2 * H * m.log1p(-(S - 1) / ((k + 1) * (k + S - 1))),
             _best_denominator,
             S,
             rows,

@@ -26,6 +26,10 @@ class MinimumOverIntegers(sympy.Function):  # type: ignore[misc]  # SymPy is unt
     is_real = True  # so that a comparison of numbers is decided
 
     @property
+    def is_number(self) -> bool:
+        return not self.free_symbols
+
+    @property
     def free_symbols(self) -> set[sympy.Symbol]:
         return set(self.args[0].free_symbols) - {self.args[1]}
 
@@ -61,7 +65,11 @@ class MinimumOverIntegers(sympy.Function):  # type: ignore[misc]  # SymPy is unt
 
 
 class Root(sympy.Function):  # type: ignore[misc]  # SymPy is untyped
+<<<<<<< HEAD
     r"""``x ** (1 / degree)`` left as it is: SymPy would write out the powers of the digits of a rational root.
+=======
+    r"""``x ** (1 / degree)`` as an unevaluated expression: SymPy would write a rational root out.
+>>>>>>> fixtheory
 
     Source: elementary. Arguments: ``x`` > 0 and ``degree`` > 0. Returns on ``evalf`` the root, on ``doit`` the power.
     Errors: none.

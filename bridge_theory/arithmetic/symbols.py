@@ -65,11 +65,7 @@ class MinimumOverIntegers(sympy.Function):  # type: ignore[misc]  # SymPy is unt
 
 
 class Root(sympy.Function):  # type: ignore[misc]  # SymPy is untyped
-<<<<<<< HEAD
-    r"""``x ** (1 / degree)`` left as it is: SymPy would write out the powers of the digits of a rational root.
-=======
     r"""``x ** (1 / degree)`` as an unevaluated expression: SymPy would write a rational root out.
->>>>>>> fixtheory
 
     Source: elementary. Arguments: ``x`` > 0 and ``degree`` > 0. Returns on ``evalf`` the root, on ``doit`` the power.
     Errors: none.

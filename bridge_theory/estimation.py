@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 _TRUSTED = 1e-11  # the relative error up to which a float is taken as it is
 _SMALLEST_NORMAL = 2.0**-1022  # below it float64 has fewer digits, and what is lost there is not told apart from 0
 _EXACT_INTEGERS = 2**53
+_BLOCK = 2**14  # points of a long row that are worked on at a time
 
 
 def estimated(formula: Formula, values: Mapping[str, object], floats: Mapping[str, FloatArray]) -> Any:
@@ -34,8 +35,7 @@ def estimated(formula: Formula, values: Mapping[str, object], floats: Mapping[st
     """
     tracked = {name: _tracked(name, values[name], floats[name]) for name in floats}
     with np.errstate(all="ignore"):  # branches that are not taken may overflow
-        outcome = formula(TRACKED, **tracked)
-        at, off = (outcome.at, outcome.off) if isinstance(outcome, Tracked) else (outcome, 0.0)
+        at, off = _in_blocks(formula, tracked)
         trusted = np.isfinite(at) & (off <= _TRUSTED * np.abs(at) + _SMALLEST_NORMAL)
     if np.all(trusted):
         return at
@@ -48,6 +48,28 @@ def estimated(formula: Formula, values: Mapping[str, object], floats: Mapping[st
         point = {name: _at(exact[name], name, shape, place) for name in exact}
         result[place] = _nearest(enclose(lambda point=point: formula(BALLS, **ball_arguments(point))))  # type: ignore[misc]
     return result[()]
+
+
+def _in_blocks(formula: Formula, tracked: Mapping[str, Tracked]) -> tuple[Any, Any]:
+    """The formula's floats and their errors; long rows of points are worked on in blocks that fit into the cache."""
+    shapes = {np.shape(item.at) for item in tracked.values()} - {()}
+    length = next(iter(shapes))[0] if len(shapes) == 1 and len(next(iter(shapes))) == 1 else 0
+    if length <= _BLOCK or any(parameter(name).array for name in tracked):
+        return _parts(formula(TRACKED, **tracked))
+    at, off = np.empty(length), np.empty(length)
+    for start in range(0, length, _BLOCK):
+        block = slice(start, start + _BLOCK)
+        part = {name: Tracked(_sliced(item.at, block), _sliced(item.off, block)) for name, item in tracked.items()}
+        at[block], off[block] = _parts(formula(TRACKED, **part))
+    return at, off
+
+
+def _parts(outcome: Any) -> tuple[Any, Any]:
+    return (outcome.at, outcome.off) if isinstance(outcome, Tracked) else (outcome, 0.0)
+
+
+def _sliced(values: Any, block: slice) -> Any:
+    return values if np.ndim(values) == 0 else values[block]
 
 
 def certainly_holds(condition: Condition, values: Mapping[str, object], floats: Mapping[str, FloatArray]) -> bool:

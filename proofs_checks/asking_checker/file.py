@@ -36,7 +36,7 @@ def read_record(path: Path) -> dict[str, Any]:
     except (ValueError, RecursionError):
         raise InputError(f"{path} must hold JSON, and does not; give the file of a session.") from None
     if not isinstance(record, dict) or record.get("kind") != KIND:
-        raise InputError(f"{path} must be the file of an asking session, and is something else.")
+        raise InputError(f"{path} is a file of another kind, expected the session of 'bridge-rl ask'.")
     if record.get("format") != FORMAT:
         raise InputError(f"{path} has format {record.get('format')!r}, expected {FORMAT}; run the session again.")
     if record.get("digest") != digest(record):

@@ -131,7 +131,7 @@ def _written(value: Any) -> str:
 
 _LONGEST = 120
 _SHOWN_HEADER = ("format", "configuration", "horizon", "weight_bound", "algorithms")
-_PARTLY_HEADER = {"search": "whose searches it describes"}
+_PARTLY_HEADER = {"search": "the names of the algorithms"}
 _PARTLY = {
     **dict.fromkeys(("environment", "environment_options"), "the dynamics"),
     "algorithms": "those that learn",

@@ -28,6 +28,7 @@ from math import sqrt
 
 import numpy as np
 
+from bridge_algos.given import checked
 from bridge_algos.mdp import Dynamics, FloatArray, IntArray, TabularMDP
 from bridge_algos.occupancy import blocks, state_occupancies
 from bridge_algos.shapes import Features, Occupancies, PairTable, PerPolicy, Policies, PolicyStates
@@ -64,6 +65,7 @@ class SampledEmbedding:
     of_trajectories: Callable[[Trajectories], FloatArray]
 
 
+@checked
 def make_embedding(name: str, n_states: int, n_actions: int, horizon: int) -> Embedding:
     """A built-in embedding for S states, A actions and horizon H.
 
@@ -130,6 +132,7 @@ def make_embedding(name: str, n_states: int, n_actions: int, horizon: int) -> Em
     return known[name]
 
 
+@checked
 def linear_embedding(name: str, weights: FloatArray, bound: float | None = None) -> Embedding:
     r"""A user's embedding :math:`\phi(\tau) = \sum_h weights[h, s_h, a_h]`, exact like the built-in ones.
 
@@ -210,6 +213,7 @@ class SampledFeatures:
     costs: PerPolicy
 
 
+@checked
 def sampled_features(
     dynamics: Dynamics,
     policies: Policies,

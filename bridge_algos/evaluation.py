@@ -24,7 +24,8 @@ def expected_return(mdp: TabularMDP, policy: ArrayLike) -> float:
     Raises:
         InputError: for a policy of another shape or range.
 
-    >>> mdp = TabularMDP(transitions=[[[1, 0], [0, 1]], [[0, 1], [0, 1]]], initial=[1, 0], horizon=3, reward=[0, 1])
+    >>> kernel = [[[1, 0], [0, 1]], [[0, 1], [0, 1]]]
+    >>> mdp = TabularMDP(kernel, [1, 0], horizon=3, reward=[0, 1], axes="state-action", reward_on="arrival")
     >>> expected_return(mdp, [1, 0]), expected_return(mdp, [[0.5, 0.5], [1.0, 0.0]])
     (3.0, 2.125)
     """
@@ -41,7 +42,8 @@ def expected_returns(mdp: TabularMDP, policies: ArrayLike) -> FloatArray:
     Raises:
         InputError: for another shape or type, or an action out of range.
 
-    >>> mdp = TabularMDP(transitions=[[[1, 0], [0, 1]], [[0, 1], [0, 1]]], initial=[1, 0], horizon=3, reward=[0, 1])
+    >>> kernel = [[[1, 0], [0, 1]], [[0, 1], [0, 1]]]
+    >>> mdp = TabularMDP(kernel, [1, 0], horizon=3, reward=[0, 1], axes="state-action", reward_on="arrival")
     >>> expected_returns(mdp, [[0, 0], [1, 0]])
     array([0., 3.])
     """

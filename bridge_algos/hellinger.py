@@ -14,6 +14,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from bridge_algos.given import checked
 from bridge_algos.mdp import Dynamics, FloatArray
 from bridge_algos.policies import action_probabilities
 from bridge_algos.shapes import PerPolicy, Policy, PolicyStates
@@ -58,6 +59,7 @@ def _per_step(dynamics: Dynamics) -> FloatArray:
     return kernel[None] if kernel.ndim == 3 else kernel
 
 
+@checked
 def disagreement_probability(dynamics: Dynamics, center: Policy, disagree: PolicyStates) -> PerPolicy:
     r"""H^2 to a deterministic centre: the probability that its trajectory meets a state where the other disagrees.
 

@@ -14,6 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from bridge_algos.conventions import settled
+from bridge_algos.given import check_fields
 from bridge_theory.errors import InputError
 
 ROW_SUM_TOLERANCE = 1e-9
@@ -39,6 +41,7 @@ class Dynamics:
     horizon: int
 
     def __post_init__(self) -> None:
+        check_fields(self)
         shape = self.transitions.shape
         if len(shape) not in (3, 4) or shape[-3] != shape[-1]:
             raise InputError(f"a kernel has shape {shape}, expected (S, A, S), or (H - 1, S, A, S) by step.")
@@ -47,6 +50,12 @@ class Dynamics:
                 f"a time-dependent kernel has {shape[0]} steps, expected H - 1 = {self.horizon - 1}: one for each "
                 "transition between the H states of a trajectory."
             )
+
+        if self.initial.shape != shape[-1:]:
+            raise InputError(f"initial has shape {self.initial.shape}, expected ({shape[-1]},), one entry a state.")
+        for name, rows in (("transitions", self.transitions), ("initial", self.initial)):
+            if (np.abs(rows.sum(axis=-1) - 1) > ROW_SUM_TOLERANCE).any():
+                raise InputError(f"{name} has a row that does not sum to 1 within {ROW_SUM_TOLERANCE:g}; normalise it.")
 
     @property
     def n_states(self) -> int:
@@ -82,20 +91,27 @@ class TabularMDP:
     r"""A finite MDP (S, A, P, d_0, H) with a reward, validated on construction.
 
     Args:
-        transitions: (S, A, S) kernel P(s'|s, a).
+        transitions: (S, A, S) kernel P(s'|s, a), or (A, S, S) with ``axes="action-state"``; kept as (S, A, S).
         initial: (S,) law of the first state.
         horizon: H >= 1.
-        reward: (S,) reward of the state arrived at, or (S, A) of the pair, or (S, A, S) of the transition.
+        reward: (S,) reward of a state, or (S, A) of the pair, or of the transition in the shape of ``transitions``.
         name, state_names, action_names: labels for tables and pictures.
+        axes: ``"state-action"`` or ``"action-state"``, what the first two axes are; needed where S = A alone.
+        reward_on: ``"arrival"`` or ``"departure"``, whether (S,) rewards are paid to those who arrive in a state or to
+            those who act in it, which is kept as a reward of the pair; ``"pair"`` for (S, A), needed where S = A alone;
+            ``"transition"``.
 
     Raises:
         InputError: with every fault that :func:`check_mdp` finds.
 
-    >>> mdp = TabularMDP(transitions=[[[0.5, 0.5]], [[0.0, 1.0]]], initial=[1, 0], horizon=2, reward=[0, 1])
+    >>> kernel = [[[0.5, 0.5]], [[0.0, 1.0]]]
+    >>> mdp = TabularMDP(transitions=kernel, initial=[1, 0], horizon=2, reward=[0, 1], reward_on="arrival")
     >>> mdp.n_states, mdp.n_actions, mdp.horizon
     (2, 1, 2)
     >>> mdp.expected_reward.ravel()
     array([0.5, 1. ])
+    >>> TabularMDP(transitions=kernel, initial=[1, 0], horizon=2, reward=[0, 1], reward_on="departure").reward.ravel()
+    array([0., 1.])
     """
 
     transitions: FloatArray
@@ -107,15 +123,21 @@ class TabularMDP:
     action_names: tuple[str, ...] = ()
     layout: tuple[str, ...] = field(default=(), repr=False)
     """Rows of a character map for pictures, one character a state in reading order; empty when the MDP is no grid."""
+    axes: str = ""
+    reward_on: str = ""
 
     def __post_init__(self) -> None:
-        faults = check_mdp(self.transitions, self.initial, self.horizon, self.reward)
+        faults = check_mdp(self.transitions, self.initial, self.horizon, self.reward, self.axes, self.reward_on)
         if faults:
             raise InputError(f"the MDP {self.name!r} is not valid: " + " ".join(faults))
-        for name in ("transitions", "initial", "reward"):
-            array = np.array(getattr(self, name), dtype=np.float64)
+        kernel, pay = (np.asarray(array, dtype=np.float64) for array in (self.transitions, self.reward))
+        kernel, pay, paid_on, _ = settled(kernel, pay, self.axes, self.reward_on)
+        for name, values in (("transitions", kernel), ("initial", self.initial), ("reward", pay)):
+            array = np.array(values, dtype=np.float64, order="C")
             array.setflags(write=False)
             object.__setattr__(self, name, array)
+        object.__setattr__(self, "axes", "state-action")
+        object.__setattr__(self, "reward_on", paid_on)
         object.__setattr__(self, "horizon", int(self.horizon))
         for name, count in (("state_names", self.n_states), ("action_names", self.n_actions)):
             given = tuple(str(label) for label in getattr(self, name)) or tuple(f"{name[0]}{i}" for i in range(count))
@@ -163,10 +185,19 @@ class TabularMDP:
         return mdp_from_gymnasium(environment, horizon)
 
 
-def check_mdp(transitions: ArrayLike, initial: ArrayLike, horizon: int, reward: ArrayLike) -> list[str]:
+def check_mdp(
+    transitions: ArrayLike,
+    initial: ArrayLike,
+    horizon: int,
+    reward: ArrayLike,
+    axes: str = "",
+    reward_on: str = "",
+) -> list[str]:
     """What is wrong with an MDP, one sentence a fault; an empty list when nothing is.
 
-    >>> check_mdp([[[0.5, 0.4]], [[0, 1]]], [1, 0], 0, [0, 1])
+    The arguments are those of :class:`TabularMDP`.
+
+    >>> check_mdp([[[0.5, 0.4]], [[0, 1]]], [1, 0], 0, [0, 1], reward_on="arrival")
     ['horizon is 0, expected a whole number of at least 1.',
      'transitions[0, 0] sums to 0.9, expected 1 within 1e-09.']
     """
@@ -180,15 +211,20 @@ def check_mdp(transitions: ArrayLike, initial: ArrayLike, horizon: int, reward: 
             *faults,
             "transitions, initial and reward must be arrays of numbers; at least one is ragged or not numeric.",
         ]
-    if kernel.ndim != 3 or kernel.shape[0] != kernel.shape[2] or 0 in kernel.shape:
-        return [*faults, f"transitions has shape {kernel.shape}, expected (S, A, S) with S and A at least 1."]
+    if kernel.ndim != 3 or kernel.shape[axes == "action-state"] != kernel.shape[2] or 0 in kernel.shape:
+        shape = "(A, S, S)" if axes == "action-state" else "(S, A, S), or (A, S, S) with axes='action-state',"
+        return [*faults, f"transitions has shape {kernel.shape}, expected {shape} with S and A at least 1."]
+    if not 1 <= pay.ndim <= 3 or 0 in pay.shape:
+        return [*faults, f"reward has shape {pay.shape}, expected one to three axes (state, pair or transition)."]
+    kernel, pay, _, ambiguities = settled(kernel, pay, axes, reward_on)
+    faults += ambiguities
     n_states, n_actions, _ = kernel.shape
     if start.shape != (n_states,):
         return [*faults, f"initial has shape {start.shape}, expected ({n_states},), one probability a state."]
     faults += _probability_faults("transitions", kernel) + _probability_faults("initial", start)
     shapes = [(n_states,), (n_states, n_actions), (n_states, n_actions, n_states)]
     if pay.shape not in shapes:
-        faults.append(f"reward has shape {pay.shape}, expected one of {shapes} (arrival, pair or transition).")
+        faults.append(f"reward has shape {pay.shape}, expected one of {shapes} (state, pair or transition).")
     elif not np.isfinite(pay).all():
         faults.append(f"reward has a value that is not finite at {_first(~np.isfinite(pay))}; give finite numbers.")
     return faults

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import ArrayLike
 
+from bridge_algos.given import checked
 from bridge_algos.mdp import Dynamics, FloatArray
 from bridge_algos.policies import action_probabilities, check_actions
 from bridge_algos.shapes import Occupancies, Policies, PolicyStates
@@ -78,6 +79,7 @@ def state_action_occupancies(dynamics: Dynamics, policy: ArrayLike) -> FloatArra
     return occupancy
 
 
+@checked
 def total_occupancies(dynamics: Dynamics, policies: np.ndarray, steps: int | None = None) -> PolicyStates:
     r"""Expected visits :math:`\sum_{h \le steps} d_h(s)` of deterministic policies.
 
@@ -95,6 +97,7 @@ def total_occupancies(dynamics: Dynamics, policies: np.ndarray, steps: int | Non
     return totals
 
 
+@checked
 def visit_probabilities(dynamics: Dynamics, policies: Policies) -> PolicyStates:
     """Probability that a trajectory visits each state at least once, (N, S), for deterministic policies (N, S)."""
     result = np.empty(policies.shape)

@@ -11,11 +11,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from bridge_algos.given import checked
 from bridge_algos.mdp import FloatArray
 from bridge_algos.shapes import Policies
 from bridge_theory.errors import InputError
 
 
+@checked
 def action_probabilities(policy: ArrayLike, n_states: int, n_actions: int, horizon: int) -> FloatArray:
     """Any single policy as the array pi_h(a|s) of shape (H, S, A).
 
@@ -34,6 +36,8 @@ def action_probabilities(policy: ArrayLike, n_states: int, n_actions: int, horiz
         expected: tuple[tuple[int, ...], ...] = ((n_states,), (horizon, n_states))
         check_actions(array, n_actions)
         probabilities = np.eye(n_actions)[array] if array.shape in expected else array
+    elif array.dtype.kind != "f":
+        raise InputError(f"a policy holds {array.dtype}, expected actions as integers or probabilities as floats.")
     else:
         expected = ((n_states, n_actions), (horizon, n_states, n_actions))
         probabilities = array.astype(np.float64)
@@ -58,6 +62,7 @@ def check_actions(policies: NDArray[np.integer], n_actions: int) -> None:
         )
 
 
+@checked
 def all_policies(n_states: int, n_actions: int) -> Policies:
     """All A^S deterministic stationary policies, (A^S, S), the last state's action running fastest."""
     return digits(np.arange(n_actions**n_states), [n_actions] * n_states)
@@ -79,6 +84,7 @@ def digits(numbers: NDArray[np.int64], bases: Sequence[int]) -> NDArray[np.int64
     return written
 
 
+@checked
 def random_policies(n: int, n_states: int, n_actions: int, rng: np.random.Generator) -> Policies:
     """n independent uniform deterministic stationary policies, (n, S)."""
     return rng.integers(n_actions, size=(n, n_states), dtype=np.int64)

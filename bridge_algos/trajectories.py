@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bridge_algos.files import atomic_write
+from bridge_algos.given import RULES, checked
 from bridge_algos.mdp import Dynamics, FloatArray, IntArray, TabularMDP, running_sums
 from bridge_algos.npz import read_arrays
 from bridge_algos.policies import action_probabilities
@@ -43,6 +44,9 @@ class Trajectories:
 
     def checked(self, n_states: int, n_actions: int, horizon: int | None = None) -> Trajectories:
         """Itself, after making sure that shapes and ranges fit an MDP; raises InputError otherwise."""
+        for name, size in (("n_states", n_states), ("n_actions", n_actions), ("horizon", horizon)):
+            if not (size is None and name == "horizon"):
+                RULES[name](name, size)
         for name, array, count in (("states", self.states, n_states), ("actions", self.actions, n_actions)):
             if array.ndim != 2 or array.dtype.kind not in "iu":
                 raise InputError(f"{name} has shape {array.shape} of {array.dtype}, expected integers of shape (n, H).")
@@ -68,6 +72,7 @@ class Trajectories:
         return self
 
 
+@checked
 def sample_trajectories(mdp: TabularMDP, policy: ArrayLike, n: int, rng: np.random.Generator) -> Trajectories:
     """n independent trajectories of a policy in an MDP, with their realised rewards; vectorised over trajectories.
 
@@ -80,6 +85,7 @@ def sample_trajectories(mdp: TabularMDP, policy: ArrayLike, n: int, rng: np.rand
     return Trajectories(states, actions, mdp.realised_rewards(states, actions, arrivals))
 
 
+@checked
 def sample_paths(
     dynamics: Dynamics, policy: ArrayLike, n: int, rng: np.random.Generator
 ) -> tuple[IntArray, IntArray, IntArray]:
@@ -103,6 +109,7 @@ def _draw(cumulative: FloatArray, rng: np.random.Generator) -> IntArray:
     return np.asarray((cumulative > rng.random(len(cumulative))[:, None]).argmax(axis=1))
 
 
+@checked
 def sample_each(mdp: TabularMDP, policies: Policies, n: int, rng: np.random.Generator) -> Trajectories:
     """n trajectories of each of M deterministic stationary policies, as one batch of M n, policy after policy.
 

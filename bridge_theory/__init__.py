@@ -1,5 +1,18 @@
 """Every bound of the BRIDGE paper (arXiv 2509.26605): symbolic, numeric, certified. Pure mathematics."""
 
+from bridge_theory.answers.certificate import certified_gap, confinement_margin, dual_certificate, share_gained
+from bridge_theory.answers.ellipsoid import curvature_factor, ellipsoid_radius_squared
+from bridge_theory.answers.likelihood_set import (
+    evidence_loss_logdet,
+    likelihood_threshold,
+    likelihood_width,
+    likelihood_width_logdet,
+)
+from bridge_theory.answers.log_sigmoid import log_sigmoid_lower
+from bridge_theory.answers.model_test import refutation_threshold
+from bridge_theory.answers.rollouts import bernstein_radius, fresh_rollout_gap, look_delta, rollout_gap
+from bridge_theory.answers.without_model import preference_width
+from bridge_theory.answers.yardstick import fewest_answers
 from bridge_theory.from_data import bounds_from_counts
 from bridge_theory.offline.concentrability import (
     concentrability_deterministic,
@@ -184,6 +197,7 @@ __all__ = [
     "Setting",
     "alpha_dT",
     "alpha_offline",
+    "bernstein_radius",
     "beta_offline",
     "beta_repaired",
     "beta_repaired_logdet",
@@ -193,6 +207,7 @@ __all__ = [
     "bonus_sum_stated",
     "bounds_from_counts",
     "bridge_regret_rate",
+    "certified_gap",
     "concentrability_deterministic",
     "concentrability_sharp",
     "concentrability_stated",
@@ -203,18 +218,22 @@ __all__ = [
     "confidence_set_radius_angle",
     "confidence_set_radius_deterministic",
     "confidence_set_radius_repaired",
+    "confinement_margin",
     "containment_failure_known",
     "containment_failure_unknown",
     "covariance_difference_sharp",
     "covariance_difference_stated",
     "coverage_failure",
     "covered_bonus",
+    "curvature_factor",
     "delta_n_known",
     "delta_n_known_deterministic",
     "delta_n_unknown",
     "delta_n_unknown_deterministic",
     "delta_n_version_space",
     "delta_n_version_space_sharp",
+    "dual_certificate",
+    "ellipsoid_radius_squared",
     "elliptical_floor",
     "elliptical_norm_sum",
     "elliptical_potential",
@@ -223,6 +242,7 @@ __all__ = [
     "empirical_from_true_bonus",
     "empirical_from_true_bonus_sharp",
     "estimated_radius_sum",
+    "evidence_loss_logdet",
     "exact_recovery_failure",
     "expected_bonus",
     "expected_potential",
@@ -232,6 +252,8 @@ __all__ = [
     "feature_difference_stated",
     "feature_difference_sum",
     "feature_drift_rate",
+    "fewest_answers",
+    "fresh_rollout_gap",
     "gamma_known",
     "gamma_true_bonus",
     "gamma_unknown",
@@ -241,6 +263,11 @@ __all__ = [
     "kappa",
     "kappa_differences",
     "kappa_nonnegative",
+    "likelihood_threshold",
+    "likelihood_width",
+    "likelihood_width_logdet",
+    "log_sigmoid_lower",
+    "look_delta",
     "main_simplified_rate",
     "martingale_rate",
     "martingale_repaired",
@@ -281,9 +308,11 @@ __all__ = [
     "policy_error_stated",
     "policy_kl_budget",
     "potential_factor",
+    "preference_width",
     "radius_sum",
     "radius_sum_covered",
     "reach_size",
+    "refutation_threshold",
     "regret_diameter",
     "regret_hindsight",
     "regret_known_apriori",
@@ -307,8 +336,10 @@ __all__ = [
     "regret_unknown_stated",
     "regret_unknown_version_space",
     "regret_width",
+    "rollout_gap",
     "row_error_at_step",
     "row_error_summed",
+    "share_gained",
     "solve_for",
     "squared_bonus_rate",
     "squared_bonus_sum_repaired",

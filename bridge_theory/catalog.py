@@ -35,7 +35,7 @@ def all_rates() -> tuple[Rate, ...]:
 
 
 def by_group(group: Group) -> tuple[Bound, ...]:
-    """The bounds of one group: ``offline``, ``online`` or ``regret``.
+    """The bounds of one group: ``offline``, ``online``, ``regret`` or ``answers``.
 
     >>> {bound.group for bound in by_group("offline")}
     {'offline'}
@@ -62,7 +62,7 @@ def by_label(label: str) -> tuple[Formula, ...]:
 
 
 def _labels(source: str) -> set[str]:
-    words = {part.strip() for part in source.removeprefix("audit ").split(",")}
+    words = {part.strip() for part in source.removeprefix("audit ").removeprefix("companion ").split(",")}
     return {source, *words, *(word.split("(")[0] for word in words)}
 
 

@@ -19,7 +19,7 @@ from bridge_theory.parameters import Given, Stored, parameter
 from bridge_theory.terms import combined
 
 Status = Literal["stated", "repaired", "sharp"]
-Group = Literal["offline", "online", "regret"]
+Group = Literal["offline", "online", "regret", "answers"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -61,6 +61,9 @@ PROBABILITY_OPEN = Domain(0, 1, opens=(True, True))
 PROBABILITY_POSITIVE = Domain(0, 1, opens=(True, False))
 UNIT_INTERVAL = Domain(0, 1)
 AT_LEAST_ONE = Domain(1)
+AT_LEAST_TWO = Domain(2, integer=True)
+NATS = Domain(-(10**12), 10**12)
+"""Utilities, log-odds and differences of log-likelihoods: any sign, and any size that is meant."""
 
 
 @dataclass(frozen=True)
@@ -275,6 +278,47 @@ _ROWS = (
     Parameter("Delta_n", r"\Delta_n", "largest total variation from the offline set to the expert", UNIT_INTERVAL),
     Parameter("S_reach", r"|S_{\mathrm{reach}}|", "state-action pairs the expert visits", POSITIVE_INTEGER, "pairs"),
     Parameter("uncovered", "u", "state-action pairs used online with too little offline data", COUNT, "pairs"),
+    # certified answers
+    Parameter("loss", r"-\ell_t(m)", "minus the log-likelihood of the answers at the weights", NONNEGATIVE, "nats"),
+    Parameter("weight_norm", r"\|m\|_2", "norm of the weights in the middle", NONNEGATIVE, "1 / feature norm"),
+    Parameter(
+        "log_det_growth", r"\log\det(I+\frac{X^\top X}{4\lambda})", "price of the dimension", NONNEGATIVE, "nats"
+    ),
+    Parameter("evidence_loss", "-Q_t", "minus the log-evidence of the answers", NONNEGATIVE, "nats"),
+    Parameter("scales", "k", "scales of the prior, fixed before the answers", POSITIVE_INTEGER, "scales"),
+    Parameter("margin", "z", "log-odds of the answer given", NATS, "nats"),
+    Parameter("tangent", r"\xi", "log-odds at which the quadratic touches", NONNEGATIVE, "nats"),
+    Parameter("multiplier", "c", "multiplier of the likelihood constraint", NONNEGATIVE),
+    Parameter(
+        "slope", r"\langle\nabla\ell_t(w_0),w_0\rangle", "slope of the log-likelihood along the weights", NATS, "nats"
+    ),
+    Parameter(
+        "dual_norm", r"\|v+c\nabla\ell_t(w_0)\|_2", "norm of what the likelihood leaves of the direction", NONNEGATIVE
+    ),
+    Parameter("advantage", "a", "largest utility of any candidate above the recommended one", NATS, "nats"),
+    Parameter("shortfall", r"\rho", "what may be missing, as a multiple of what is gained", POSITIVE),
+    Parameter("slack", "b", "log-likelihood of the weights in the middle above the threshold", NATS, "nats"),
+    Parameter("gradient_norm", r"\|\nabla\ell_t\|_2", "norm of the log-likelihood's gradient", NONNEGATIVE),
+    Parameter("reach", "r", "distance that a bound on the curvature covers", POSITIVE),
+    Parameter("least_curvature", r"\lambda_{\min}(A_r)", "least eigenvalue of the bound on the curvature", NONNEGATIVE),
+    Parameter("ridge", r"\eta_A", "multiple of the identity in the ellipsoid's matrix", NONNEGATIVE),
+    Parameter("newton_norm", r"\|u\|_{A^{-1}}", "length of a Newton step in its own norm", NONNEGATIVE),
+    Parameter("forecasters", "k", "forecasters in an equal mixture", POSITIVE_INTEGER, "forecasters"),
+    Parameter("rollouts", "N", "rollouts of each candidate", AT_LEAST_TWO, "rollouts"),
+    Parameter("sample_variance", "V", "sample variance of one number over the rollouts", NONNEGATIVE),
+    Parameter("spread", "R", "length of the range in which the number surely lies", POSITIVE),
+    Parameter("candidates", r"|\Pi|", "candidate policies", POSITIVE_INTEGER, "policies"),
+    Parameter("delta_phi", r"\delta_\phi", "failure probability of the features", PROBABILITY_OPEN),
+    Parameter(
+        "error_norm", r"\|\varepsilon(\pi)+\varepsilon(\hat\pi)\|_2", "norm of the errors of two features", NONNEGATIVE
+    ),
+    Parameter("look", "k", "how often was looked, this time included", POSITIVE_INTEGER, "looks"),
+    Parameter("ellipsoid_radius", r"\rho", "radius of the ellipsoid around the likelihood set", NONNEGATIVE),
+    Parameter("feature_reach", "b", "sure bound on a feature difference in the ellipsoid's dual norm", NONNEGATIVE),
+    Parameter("pairs", r"\binom K2", "pairs that are compared", POSITIVE_INTEGER, "pairs"),
+    Parameter(
+        "information", "D", "information that one answer gives against the nearest alternative", POSITIVE, "nats"
+    ),
 )
 
 PARAMETERS: dict[str, Parameter] = {row.name: row for row in _ROWS}

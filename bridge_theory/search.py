@@ -34,11 +34,13 @@ def integer_grid(domain: Domain) -> Grid:
 
 
 def float_grid(domain: Domain) -> Grid:
-    """Every float64 of a nonnegative domain in order, up to 1e100 where it has no end.
+    """Every float64 of a domain in order, up to 1e100 where it has no end.
 
     >>> grid = float_grid(Domain(0, 1, opens=(True, True)))
     >>> float(grid.number(grid.last)), float(grid.number(grid.last + 1))
     (0.9999999999999999, 1.0)
+    >>> [float(float_grid(Domain(-1, 1)).number(index)) for index in (-1, 0, 1)]
+    [-5e-324, 0.0, 5e-324]
     """
     high = LARGEST_REAL if domain.high is None else float(domain.high)
     low = float(domain.low)
@@ -48,10 +50,12 @@ def float_grid(domain: Domain) -> Grid:
 
 
 def _bits(value: float) -> int:
-    # nonnegative floats are ordered as their bit patterns
-    return int(struct.unpack("<q", struct.pack("<d", value))[0])
+    # nonnegative floats are ordered as their bit patterns, and a negative one mirrors its opposite
+    pattern = int(struct.unpack("<q", struct.pack("<d", abs(value)))[0])
+    return -pattern if value < 0 else pattern
 
 
 def _number(bits: int) -> Exact:
-    value = Fraction(struct.unpack("<d", struct.pack("<q", bits))[0])
-    return value.numerator if value.denominator == 1 else value
+    value = Fraction(struct.unpack("<d", struct.pack("<q", abs(bits)))[0])
+    signed = -value if bits < 0 else value
+    return signed.numerator if signed.denominator == 1 else signed

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import errno
 import importlib
-import os
 import sys
 
-from bridge_theory.errors import ComputationError, InputError
+from bridge_theory.cli.status import exit_status
 
 SUBCOMMANDS = {
     "run": ("bridge_algos.run.cli", "run BRIDGE, PbRL and BC on an environment, tabular or of MuJoCo"),
@@ -31,50 +29,25 @@ def main(argv: list[str] | None = None) -> int:
         print(_overview())
         return 0
     name, *rest = arguments
+    if name == "--version":
+        from bridge_algos.run.versions import package_versions
+
+        print(f"bridge-rl {package_versions()['bridge-rl']}")
+        return 0
     if name not in SUBCOMMANDS:
         known = ", ".join(SUBCOMMANDS)
         print(
             f"bridge-rl: unknown subcommand {name!r}; expected one of {known}; try 'bridge-rl --help'", file=sys.stderr
         )
         return 2
-    module = importlib.import_module(SUBCOMMANDS[name][0])
-    try:
-        status = int(module.main(rest))
-        sys.stdout.flush()
-        return status
-    except InputError as error:
-        print(f"bridge-rl {name}: {error}", file=sys.stderr)
-        return 2
-    except ComputationError as error:
-        print(f"bridge-rl {name}: {error}", file=sys.stderr)
-        return 1
-    except MemoryError as error:
-        print(f"bridge-rl {name}: there is not enough memory ({error}); ask for something smaller", file=sys.stderr)
-        return 1
-    except BrokenPipeError:  # the reader, such as head, has seen enough
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
-    except OSError as error:
-        if error.errno in (errno.ENOSPC, errno.EDQUOT):
-            print(
-                f"bridge-rl {name}: the disk is full; make room and run it again: finished parts are kept",
-                file=sys.stderr,
-            )
-            return 1
-        if error.filename is None:
-            raise
-        place = error.filename2 or error.filename  # of a move the place asked for, not the temporary file
-        print(f"bridge-rl {name}: {place} cannot be used ({error.strerror}); choose another", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print(f"bridge-rl {name}: interrupted; finished parts are kept", file=sys.stderr)
-        return 130
+    return exit_status(f"bridge-rl {name}", importlib.import_module(SUBCOMMANDS[name][0]).main, rest)
 
 
 def _overview() -> str:
     lines = ["usage: bridge-rl SUBCOMMAND [options]", "", "subcommands:"]
     lines += [f"  {name:<10} {help_text}" for name, (_, help_text) in SUBCOMMANDS.items()]
-    return "\n".join([*lines, "", "'bridge-rl SUBCOMMAND --help' lists the options of one"])
+    lines += ["", "'bridge-rl SUBCOMMAND --help' lists the options of one; --version prints the version"]
+    return "\n".join(lines)
 
 
 if __name__ == "__main__":

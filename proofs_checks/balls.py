@@ -75,9 +75,10 @@ def _search(
         if middle < 0 or (not weakly and middle <= 0):
             point = {k: (_middle(k, i, geometric),) * 2 for k, i in current.items()}
             return Outcome(seen, (f"{name}: not {sign} at {_shown(point)}",))
-        if seen >= most:
+        parts = _halves(expression, current, geometric)
+        if seen >= most or not parts:  # a single point that stays undecided has no halves, and is not proved
             return Outcome(seen, (f"{name}: undecided after {seen} boxes, for example {_shown(current)}",))
-        open_ += _halves(expression, current, geometric)
+        open_ += parts
     return Outcome(seen, details=f"{name}: {sign} on the box ({seen} boxes)")
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import importlib.util
 import json
 import os
 import shutil
@@ -16,14 +15,14 @@ from bridge_theory.cli.options import Parser
 from bridge_theory.errors import InputError
 from proofs_checks.claim import MEANING, Claim
 from proofs_checks.evidence import STRENGTH
-from proofs_checks.ledger import all_evidence, claims, matching
+from proofs_checks.ledger import all_evidence, claims, matching, missing_engines
 from proofs_checks.record import record
 from proofs_checks.run import jobs_for, run_all
 from proofs_checks.standing import Standing, standing
+from proofs_checks.strength import weakest
 from proofs_checks.terminal import closing, table
 
-_ENGINES = ("z3", "hypothesis", "latex2mathml")
-_TOPICS = ("setting", "offline", "hellinger", "online", "regret", "experiments")
+_TOPICS = ("setting", "offline", "hellinger", "online", "regret", "answers", "experiments")
 
 
 def main(argv: list[str]) -> int:
@@ -37,7 +36,7 @@ def main(argv: list[str]) -> int:
         return attack(options.search, seconds=options.budget, seed=options.seed, directory=options.out)
     chosen = _chosen(options)
     if options.list:
-        print("\n".join(f"{claim.key}  ({claim.verdict}) {claim.name}" for claim in chosen))
+        print("\n".join(f"{claim.key}  ({_recorded(claim)}) {claim.name}" for claim in chosen))
         return 0
     start = time.perf_counter()
     evidence = [item for claim in chosen for item in all_evidence(claim)]
@@ -71,7 +70,7 @@ def _parser() -> argparse.ArgumentParser:
         action="append",
         default=[],
         choices=tuple(dict.fromkeys((*MEANING, *STRENGTH))),
-        help="claims with this verdict, or with this strongest evidence",
+        help="claims with this verdict, or whose weakest link is shown this way",
     )
     p.add_argument("--topic", action="append", default=[], choices=_TOPICS, help="claims of one part of the paper")
     p.add_argument("--quick", action="store_true", help="smaller instances, under a minute")
@@ -88,9 +87,8 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _require_engines() -> None:
-    missing = [name for name in _ENGINES if importlib.util.find_spec(name) is None]
-    if missing:
-        raise InputError(f"check needs {', '.join(missing)}; install them with: pip install 'bridge-rl[checks]'")
+    if missing := missing_engines():
+        raise InputError(f"check needs {', '.join(missing)}; install them with: pip install 'bridge-rl[checks]'.")
 
 
 def _check_numbers(options: argparse.Namespace) -> None:
@@ -111,9 +109,11 @@ def _chosen(options: argparse.Namespace) -> list[Claim]:
     ]
 
 
+def _recorded(claim: Claim) -> str:
+    """The verdict with its weakest link, if all evidence holds."""
+    kind = weakest(claim)
+    return f"{claim.verdict}; {kind}" if kind and kind != claim.verdict else claim.verdict
+
+
 def _wanted(item: Standing, statuses: list[str]) -> bool:
-    return not statuses or item.claim.verdict in statuses or item.strongest in statuses
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    return not statuses or item.claim.verdict in statuses or item.weakest in statuses

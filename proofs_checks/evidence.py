@@ -12,10 +12,14 @@ from proofs_checks.context import Context
 from proofs_checks.counterexample import Counterexample, load, replay
 from proofs_checks.outcome import Outcome
 
-Kind = Literal["kernel-checked", "proved", "refuted", "exact on instances", "covered", "step proved", "cited", "open"]
+Kind = Literal[
+    "kernel-checked", "proved", "refuted", "step proved", "exact on instances", "agrees on instances", "covered",
+    "text", "cited", "open",
+]  # fmt: skip
 
 STRENGTH: tuple[Kind, ...] = (
-    "kernel-checked", "proved", "refuted", "exact on instances", "covered", "step proved", "cited", "open",
+    "kernel-checked", "proved", "refuted", "step proved", "exact on instances", "agrees on instances", "covered",
+    "text", "cited", "open",
 )  # fmt: skip
 """The kinds of evidence, strongest first; a refutation settles a statement as a proof does."""
 
@@ -23,9 +27,11 @@ MEANING: dict[Kind, str] = {
     "kernel-checked": "a proof checked by the kernel of Coq",
     "proved": "holds on the whole stated domain, by a derivation that a machine ran (SymPy, Z3, ball arithmetic)",
     "refuted": "a small exact counterexample, replayed by an independent evaluator",
-    "exact on instances": "holds exactly on every enumerated or generated finite instance; not a proof",
-    "covered": "holds in simulation at least as often as claimed, by exact confidence limits; not a proof",
     "step proved": "one step of the proof holds on its whole domain, by a machine-run derivation; the rest is text",
+    "exact on instances": "holds in exact arithmetic on every enumerated or generated finite instance; not a proof",
+    "agrees on instances": "agrees to a stated tolerance, in floating point, on instances; not a proof",
+    "covered": "holds in simulation at least as often as claimed, by exact confidence limits; not a proof",
+    "text": "argued in words alone; no machine has checked it",
     "cited": "taken from the literature, not checked here",
     "open": "neither proved nor refuted here",
 }
@@ -96,6 +102,14 @@ class Evidence:
         return outcome
 
     @property
+    def handle(self) -> str:
+        """What a `Link` calls it: its Coq theorem or counterexample, else its check, else its kind."""
+        named = self.arguments.get("name")
+        if self.check is None:
+            return self.kind
+        return named if isinstance(named, str) else self.check.__name__
+
+    @property
     def key(self) -> str:
         """A name for the check with its arguments, the same in every process; empty where there is no check."""
         if self.check is None:
@@ -124,8 +138,16 @@ def proved_step(words: str, check: Check, *mutants: Mutant, full_only: bool = Fa
 
 
 def exact(words: str, check: Check, *mutants: Mutant, full_only: bool = False, **arguments: Any) -> Evidence:
-    """Holds exactly (rationals, or certified balls) on finite instances that are enumerated or generated."""
+    """Holds exactly (rationals, or certified balls) on finite instances that are enumerated or generated.
+
+    The check compares no floating-point numbers; a test reads the comparisons it makes.
+    """
     return Evidence("exact on instances", words, check, mutants, arguments, full_only)
+
+
+def agrees(words: str, check: Check, *mutants: Mutant, full_only: bool = False, **arguments: Any) -> Evidence:
+    """Agrees up to rounding on instances: two floating-point numbers are compared, with a tolerance."""
+    return Evidence("agrees on instances", words, check, mutants, arguments, full_only)
 
 
 def covered(words: str, check: Check, *mutants: Mutant, full_only: bool = False, **arguments: Any) -> Evidence:

@@ -3,24 +3,40 @@
 from __future__ import annotations
 
 import importlib
+import importlib.util
 import pkgutil
+import re
 from collections.abc import Iterator
 from functools import cache
 
 from bridge_theory import paper
 from bridge_theory.errors import InputError
-from proofs_checks.claim import Claim, Repair
+from proofs_checks.claim import COMPANION, Claim, Repair
 from proofs_checks.evidence import Evidence
 
-_ROOMS = ("proofs_checks.offline", "proofs_checks.online", "proofs_checks.apparatus")
+ENGINES = ("z3", "hypothesis", "latex2mathml")
+"""Packages of the extra ``checks``, without which the claims cannot be loaded."""
+_ROOMS = ("proofs_checks.offline", "proofs_checks.online", "proofs_checks.answers", "proofs_checks.apparatus")
+
+
+def missing_engines() -> tuple[str, ...]:
+    """The engines that are not installed; the extra ``checks`` has them."""
+    return tuple(name for name in ENGINES if importlib.util.find_spec(name) is None)
 
 
 @cache
 def claims() -> tuple[Claim, ...]:
-    """Every claim, in the order of the paper; parts of one statement in the order of their module."""
+    """Every claim, in the order of the paper, then ours; parts of one statement in the order of their module."""
     found = [claim for module in _modules() for claim in getattr(importlib.import_module(module), "CLAIMS", ())]
     order = {name: position for position, name in enumerate(paper.entries())}
-    return tuple(sorted(found, key=lambda claim: (order[claim.label], bool(claim.part))))
+    return tuple(sorted(found, key=lambda claim: (order.get(claim.label, len(order)), *_own(claim), bool(claim.part))))
+
+
+def _own(claim: Claim) -> tuple[int, str]:
+    """The number and the letters of one of our statements: G2, G10 and G10' follow each other."""
+    if not claim.label.startswith(COMPANION):
+        return 0, ""
+    return int("".join(re.findall(r"\d", claim.label))), claim.label
 
 
 def repairs() -> tuple[Repair, ...]:
@@ -35,11 +51,19 @@ def evidence_by_key() -> dict[str, Evidence]:
 
 
 def all_evidence(claim: Claim) -> Iterator[Evidence]:
-    """The claim's own evidence, then that of its repaired forms and of their formulas."""
+    """The claim's own evidence, then that of its repaired forms, of what they rest on, and of their formulas."""
     yield from claim.evidence
-    for repair in claim.repairs:
+    for repair in resting_on(claim):
         yield from repair.evidence
         yield from formula_evidence(repair)
+
+
+def resting_on(statement: Claim | Repair) -> tuple[Repair, ...]:
+    """The repaired forms that a claim names or that its links use, and those that these use in turn, each once."""
+    named = statement.repairs if isinstance(statement, Claim) else ()
+    direct = (*named, *(part for one in statement.links for part in one.by if isinstance(part, Repair)))
+    found = {repair.name: repair for part in direct for repair in (part, *resting_on(part))}
+    return tuple(found.values())
 
 
 def formula_evidence(repair: Repair) -> tuple[Evidence, ...]:

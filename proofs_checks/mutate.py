@@ -18,6 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from bridge_theory.cli.options import Parser
+from bridge_theory.cli.status import exit_status
 from bridge_theory.errors import InputError
 from proofs_checks.mutation.campaign import Fate, campaign, observe_all
 from proofs_checks.mutation.killers import STAGES, Killer, Stage, example_killers, file_killers, ledger_killers
@@ -79,6 +80,9 @@ def _chosen(module: str, sample: int | None, seed: int) -> list[Site]:
     wanted = [name for name in formula_modules() if module in name]
     if not wanted:
         raise InputError(f"no formula module is called {module!r}; they are {', '.join(formula_modules())}")
+    for name, value, least in (("sample", sample, 1), ("seed", seed, 0)):
+        if value is not None and value < least:
+            raise InputError(f"--{name} must be at least {least}, got {value}.")
     everything = [site for name in wanted for site in sites(name)]
     if sample is None or sample >= len(everything):
         return everything
@@ -97,7 +101,4 @@ def _parser() -> argparse.ArgumentParser:
 
 
 if __name__ == "__main__":
-    try:
-        sys.exit(main(sys.argv[1:]))
-    except InputError as mistake:
-        sys.exit(f"mutate: {mistake}")
+    sys.exit(exit_status("python -m proofs_checks.mutate", main, sys.argv[1:]))

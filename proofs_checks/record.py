@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from proofs_checks.claim import Repair
+from proofs_checks.claim import Claim, Repair
 from proofs_checks.evidence import Evidence
 from proofs_checks.ledger import formula_evidence
 from proofs_checks.run import Job, Report
-from proofs_checks.standing import Standing
+from proofs_checks.standing import Standing, item_holds
+from proofs_checks.strength import link_kind, weakest
 
 
 def record(item: Standing, reports: Mapping[Job, Report]) -> dict[str, Any]:
@@ -25,7 +26,8 @@ def record(item: Standing, reports: Mapping[Job, Report]) -> dict[str, Any]:
         "because": claim.because,
         "assumptions": list(claim.assumptions),
         "proof": claim.proof,
-        "strongest": item.strongest,
+        "weakest": item.weakest,
+        "links": _links(claim, reports),
         "unsupported": item.unsupported,
         "problems": list(item.problems),
         "seconds": item.seconds,
@@ -42,8 +44,25 @@ def _repair(repair: Repair, reports: Mapping[Job, Report]) -> dict[str, Any]:
         "assumptions": list(repair.assumptions),
         "proof": repair.proof,
         "formulas": list(repair.formulas),
+        "weakest": weakest(repair, lambda item: item_holds(item, reports)),
+        "links": _links(repair, reports),
         "evidence": [_evidence(piece, reports) for piece in (*repair.evidence, *formula_evidence(repair))],
     }
+
+
+def _links(statement: Claim | Repair, reports: Mapping[Job, Report]) -> list[dict[str, Any]]:
+    """What each link says, how far it is shown, and by what: checks by their keys, repaired forms by their names."""
+    return [
+        {
+            "says": one.says,
+            "shown": link_kind(one, statement.evidence, lambda item: item_holds(item, reports)),
+            "by": [
+                *(item.key or item.kind for item in statement.evidence if item.handle in one.by),
+                *(part.name for part in one.by if isinstance(part, Repair)),
+            ],
+        }
+        for one in statement.links
+    ]
 
 
 def _evidence(item: Evidence, reports: Mapping[Job, Report]) -> dict[str, Any]:

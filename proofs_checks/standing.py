@@ -6,9 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from proofs_checks.claim import SETTLED_BY, Claim
-from proofs_checks.evidence import STRENGTH, Evidence, Kind
+from proofs_checks.evidence import Evidence, Kind
 from proofs_checks.ledger import all_evidence
 from proofs_checks.run import Job, Report
+from proofs_checks.strength import link_kind, weakest
 
 
 @dataclass(frozen=True)
@@ -17,15 +18,17 @@ class Standing:
 
     Attributes:
         claim: the claim.
-        strongest: the strongest kind of evidence for the verdict that held in this run; None if none did.
-        repaired: for each repaired form, its name and the strongest evidence that held.
+        weakest: the kind of evidence behind the weakest link of the verdict; None where a link has none in this run.
+        links: what each link says, and the strongest evidence for it that held.
+        repaired: for each repaired form, its name and the evidence behind its weakest link.
         seconds: time its own checks and those of its repaired forms took.
         problems: what should hold and does not, one sentence each.
-        unsupported: no evidence of a kind that its verdict needs held (it was skipped, or left out of a quick run).
+        unsupported: a link that its verdict needs had no evidence (it was skipped, or left out of a quick run).
     """
 
     claim: Claim
-    strongest: Kind | None
+    weakest: Kind | None
+    links: tuple[tuple[str, Kind | None], ...]
     repaired: tuple[tuple[str, Kind | None], ...]
     seconds: float
     problems: tuple[str, ...]
@@ -36,16 +39,19 @@ def standing(claim: Claim, reports: Mapping[Job, Report]) -> Standing:
     """Sum up one claim; jobs that were not run count as evidence for nothing."""
     keys = {item.key for item in all_evidence(claim)}
     mine = [report for job, report in reports.items() if job.key in keys]
-    needed = SETTLED_BY.get(claim.verdict, ())
-    supporting = tuple(item for item in claim.evidence if not needed or item.kind in needed)
-    strongest = _strongest(supporting, reports)
+
+    def holds(item: Evidence) -> bool:
+        return item_holds(item, reports)
+
+    found = weakest(claim, holds)
     return Standing(
         claim,
-        strongest,
-        tuple((repair.name, _strongest(repair.evidence, reports)) for repair in claim.repairs),
+        found,
+        tuple((one.says, link_kind(one, claim.evidence, holds)) for one in claim.links),
+        tuple((repair.name, weakest(repair, holds)) for repair in claim.repairs),
         sum(report.seconds for report in mine),
         tuple(problem(report) for report in mine if report.bad),
-        bool(needed) and strongest is None,
+        claim.verdict in SETTLED_BY and found is None,
     )
 
 
@@ -66,8 +72,3 @@ def item_holds(item: Evidence, reports: Mapping[Job, Report]) -> bool:
         return True
     report = reports.get(Job(item.key))
     return report is not None and report.status == "holds"
-
-
-def _strongest(items: tuple[Evidence, ...], reports: Mapping[Job, Report]) -> Kind | None:
-    kinds = {item.kind for item in items if item_holds(item, reports)}
-    return next((kind for kind in STRENGTH if kind in kinds), None)

@@ -27,7 +27,8 @@ def identity(name: str, left: Any, right: Any) -> Outcome:
         value = sympy.N(difference.subs(point), 40)
         if value.is_number and abs(value) > sympy.Float("1e-25"):
             where = ", ".join(f"{symbol} = {number}" for symbol, number in point.items())
-            return Outcome(1, (f"{name}: the sides differ by {float(value):.6g} at {where}",))
+            number = float(value) if value.is_real else complex(value)
+            return Outcome(1, (f"{name}: the sides differ by {number:.6g} at {where}",))
     if simplified_to_zero(difference):
         return Outcome(1, details=f"{name}: identical")
     return Outcome(1, (f"{name}: SymPy cannot reduce the difference to zero",))

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from proofs_checks.claim import MEANING as VERDICT_MEANING
+from proofs_checks.claim import Verdict
 from proofs_checks.evidence import STRENGTH, Kind
 from proofs_checks.standing import Standing
 
-_HEADER = ("label", "name", "verdict", "strongest evidence", "seconds", "repaired by")
+_HEADER = ("label", "name", "verdict", "weakest link", "seconds", "repaired by")
 _NARROW = 110
 """Narrower terminals do without the last column."""
 _GREEN, _RED, _YELLOW, _GREY, _BOLD = "32", "31", "33", "90", "1"
@@ -33,13 +34,9 @@ def table(standings: Sequence[Standing], *, width: int | None, colour: bool) -> 
 
 
 def closing(standings: Sequence[Standing], *, rejected: int, planted: int, seconds: float, colour: bool) -> str:
-    """Counts by verdict and by evidence, what could not be supported, the mutants, and every problem in full."""
-    verdicts = Counter(item.claim.verdict for item in standings)
-    kinds = Counter(item.strongest for item in standings)
-    lines = [
-        f"{len(standings)} claims: " + ", ".join(f"{verdicts[v]} {v}" for v in VERDICT_MEANING if verdicts[v]),
-        "strongest evidence: " + ", ".join(f"{kinds[kind]} {kind}" for kind in STRENGTH if kinds[kind]),
-    ]
+    """Counts by verdict and weakest link, what could not be supported, the mutants, and every problem in full."""
+    lines = [f"{len(standings)} claims, with the weakest link of each:"]
+    lines += [f"  {line}" for line in verdict_lines((item.claim.verdict, item.weakest) for item in standings)]
     if unsupported := [item.claim.key for item in standings if item.unsupported]:
         lines.append(f"without evidence in this run (skipped or not quick): {', '.join(unsupported)}")
     if planted:
@@ -51,21 +48,36 @@ def closing(standings: Sequence[Standing], *, rejected: int, planted: int, secon
     return "\n".join(lines)
 
 
+def verdict_lines(pairs: Iterable[tuple[Verdict, Kind | None]]) -> list[str]:
+    """One line a verdict: how many claims have it, and how many of these reach how far at their weakest link.
+
+    >>> verdict_lines([("true", "proved"), ("true", "text"), ("definition", None)])
+    ['2 true (1 proved, 1 text)', '1 definition']
+    """
+    counts = Counter(pairs)
+    lines = []
+    for verdict in VERDICT_MEANING:
+        total = sum(number for (word, _), number in counts.items() if word == verdict)
+        shown = ", ".join(f"{counts[verdict, kind]} {kind}" for kind in STRENGTH if counts[verdict, kind])
+        lines += [f"{total} {verdict}" + (f" ({shown})" if shown not in ("", f"{total} {verdict}") else "")] * (
+            total > 0
+        )
+    return lines
+
+
 def _cells(item: Standing) -> tuple[str, ...]:
-    strongest: str = item.strongest or ("not run" if item.unsupported else "-")
-    if item.problems:
-        strongest = "PROBLEM"
+    shown: str = "PROBLEM" if item.problems else item.weakest or ("not run" if item.unsupported else "-")
     repaired = ", ".join(f"{name}: {_short(kind)}" for name, kind in item.repaired)
     claim = item.claim
-    return (claim.key, claim.name, claim.verdict, strongest, f"{item.seconds:.2f}", repaired or "-")
+    return (claim.key, claim.name, claim.verdict, shown, f"{item.seconds:.2f}", repaired or "-")
 
 
 def _short(kind: Kind | None) -> str:
-    return {"exact on instances": "exact", None: "not run"}.get(kind, str(kind))
+    return "not run" if kind is None else kind.removesuffix(" on instances")
 
 
 def _colours(item: Standing) -> list[str]:
-    evidence = _RED if item.problems else _YELLOW if item.unsupported else _GREEN if item.strongest else _GREY
+    evidence = _RED if item.problems else _YELLOW if item.unsupported else _GREEN if item.weakest else _GREY
     return ["", "", _VERDICT_COLOUR.get(item.claim.verdict, _GREY), evidence, _GREY, _GREY]
 
 

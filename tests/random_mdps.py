@@ -17,7 +17,9 @@ def random_mdp(seed: int, n_states: int, n_actions: int, horizon: int, scale: fl
     paid = [shape[:1], shape[:2], shape][seed % 3]
     reward = rng.integers(-1, 3, size=paid) if seed % 5 < 3 else rng.normal(size=paid)
     initial = np.eye(n_states)[0] if seed % 7 < 4 else np.full(n_states, 1 / n_states)
-    return TabularMDP(transitions, initial, horizon, scale * reward, name=f"random {seed}")
+    reward_on = ("arrival", "pair", "transition")[seed % 3]
+    name = f"random {seed}"
+    return TabularMDP(transitions, initial, horizon, scale * reward, name, axes="state-action", reward_on=reward_on)
 
 
 def random_mdps(max_states: int = 6, max_actions: int = 3, max_horizon: int = 6, scales: tuple[float, ...] = (1.0,)):
@@ -34,7 +36,12 @@ def random_mdps(max_states: int = 6, max_actions: int = 3, max_horizon: int = 6,
 def parting_gift(horizon: int = 3) -> TabularMDP:
     """Stay for a reward of 1 a step, or leave once for 5: best is to leave last, which no stationary policy can."""
     return TabularMDP(
-        transitions=[[[1, 0], [0, 1]], [[0, 1], [0, 1]]], initial=[1, 0], horizon=horizon, reward=[[1, 5], [0, 0]]
+        transitions=[[[1, 0], [0, 1]], [[0, 1], [0, 1]]],
+        initial=[1, 0],
+        horizon=horizon,
+        reward=[[1, 5], [0, 0]],
+        axes="state-action",
+        reward_on="pair",
     )
 
 

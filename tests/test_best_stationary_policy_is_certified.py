@@ -95,16 +95,18 @@ def test_choices_that_cannot_matter_are_not_counted():
     transitions = np.zeros((4, 2, 4))
     transitions[0, 0, 0] = transitions[0, 1, 1] = transitions[1, :, 3] = transitions[2, :, 0] = transitions[3, 0, 0] = 1
     transitions[3, 1, 3] = 1
-    mdp = TabularMDP(transitions, initial=[1, 0, 0, 0], horizon=2, reward=[0, 1, 0, 2])
+    mdp = TabularMDP(transitions, initial=[1, 0, 0, 0], horizon=2, reward=[0, 1, 0, 2], reward_on="arrival")
     assert reachable_states(mdp).tolist() == [True, True, False, False]
     assert relevant_actions(mdp).sum(axis=1).tolist() == [2, 1, 1, 1]
     assert enumerate_stationary(mdp).evaluations == 2
-    longer = TabularMDP(transitions, initial=[1, 0, 0, 0], horizon=3, reward=[0, 1, 0, 2])
+    longer = TabularMDP(transitions, initial=[1, 0, 0, 0], horizon=3, reward=[0, 1, 0, 2], reward_on="arrival")
     assert reachable_states(longer).tolist() == [True, True, False, True]
 
 
 def test_ties_in_enumeration_go_to_the_first_policy():
-    mdp = TabularMDP([[[0, 1], [1, 0]], [[1, 0], [0, 1]]], initial=[1, 0], horizon=3, reward=[1, 1])
+    mdp = TabularMDP(
+        [[[0, 1], [1, 0]], [[1, 0], [0, 1]]], initial=[1, 0], horizon=3, reward=[1, 1], axes="state-action"
+    )
     assert enumerate_stationary(mdp).policy.tolist() == [0, 0]
 
 

@@ -147,7 +147,7 @@ def test_a_share_of_the_gain_can_be_certified() -> None:
     rng = np.random.default_rng(2)
     mdp = make_mdp("starmdp")
     utility = simulated_utility(mdp, "state_action_counts", utility_range=8)
-    problem = build_problem(mdp, utility, 2, rng)
+    problem = build_problem(mdp, utility, 1, rng)
     session = problem.session("share=80%", 0.05, "pool", rng)
     for _ in range(500):
         if session.done:
@@ -196,21 +196,21 @@ def test_contradictory_answers_are_called_so_and_never_certify() -> None:
     level = evidence.value - log(20)
     assert likelihood_set(answers, level, 0.1, np.zeros(2)) is None
     assert is_empty(answers, level, 0.1, np.zeros(2))
-    features = np.array([[0.0, 0.0], [3.0, 0.0], [0.0, 3.0]])
+    features = np.array([[0.0, 0.0], [0.0, 3.0], [0.0, 6.0]])
     session = Elicitation(
         features,
         Ball(0.1),
-        np.array([[40.0, 0.0], [0.0, 0.0], [0.0, 1.0]]),
+        np.array([[1.0, 0.0], [0.0, 0.0]]),
         0.05,
-        "0.01nats",
+        "0.001nats",
         np.random.default_rng(0),
         fresh=True,
     )
-    rng = np.random.default_rng(1)
-    for _ in range(400):
+    for _ in range(300):  # the first item always wins, though W allows it .525 of the time
         if session.done:
             break
-        session.tell(session.ask(), int(rng.random() < 0.5) if session.ask().difference[0] == 0 else 1)
+        question = session.ask()
+        session.tell(question, int(question.first == 0))
     assert session.contradicted
     assert not session.certified
     with pytest.raises(InputError, match="contradict"):
@@ -284,20 +284,29 @@ def test_wrong_features_are_one_sentence(features: object, pool: np.ndarray, wor
 
 
 def test_every_candidate_has_its_own_bound() -> None:
-    """Trap 9: at the end no candidate's bound exceeds the goal, by an independent solver too."""
+    """Trap 9: no candidate's bound is below what an independent solver reaches over the sets of all looks so far."""
     rng = np.random.default_rng(11)
     session, truth = _session(rng)
-    _answer_until_done(session, truth, rng)
+    reached = np.full((len(session.features), len(session.features)), np.inf)
+    for _ in range(60):
+        region = session._region
+        assert region is not None
+        for i, candidate in enumerate(session.features):
+            v = candidate - session.features[session.recommended]
+            inside = [
+                {"type": "ineq", "fun": lambda w, r=region: r.answers.log_likelihood(w[None])[0] - r.level},
+                {"type": "ineq", "fun": lambda w, r=region: r.weight_bound**2 - w @ w},
+                {"type": "ineq", "fun": lambda w, c=candidate: (c - session.features) @ w + 1e-9},
+            ]
+            best = minimize(lambda w, v=v: -v @ w, region.interior, constraints=inside, method="SLSQP")
+            if best.success:
+                reached[session.recommended, i] = min(reached[session.recommended, i], -best.fun)
+        if session.done:
+            break
+        question = session.ask()
+        session.tell(question, int(rng.random() < expit(question.difference @ truth)))
     assert session.certified
-    region = session._region
-    assert region is not None
-    for candidate in session.features:
-        v = candidate - session.features[session.recommended]
-        inside = [
-            {"type": "ineq", "fun": lambda w: region.answers.log_likelihood(w[None])[0] - region.level},
-            {"type": "ineq", "fun": lambda w: region.weight_bound**2 - w @ w},
-            {"type": "ineq", "fun": lambda w, v=candidate: (v - session.features) @ w + 1e-9},
-        ]
-        best = minimize(lambda w, v=v: -v @ w, region.interior, constraints=inside, method="SLSQP")
-        if best.success:
-            assert -best.fun <= 0.5 + 1e-3
+    final = reached[session.recommended]
+    known = np.isfinite(final)
+    assert known.sum() >= 4
+    assert (final[known] <= session.gap.bounds[known] + 1e-4).all()

@@ -30,7 +30,7 @@ FAST = ["--seeds", "1", "--rounds", "2", "--jobs", "1"]
         (["run", "starmdp", "--radius", "1" + 400 * "0"], "radius is 1000"),
         (["run", "starmdp", "--radius", "true"], "radius is True"),
         (["run", "starmdp", "--rounds", "0"], "rounds is 0"),
-        (["run", "starmdp", "--seeds", "0"], "seeds is 0"),
+        (["run", "starmdp", "--seeds", "0"], "seeds must be a whole number of at least 1, got 0"),
         (["run", "starmdp", "--jobs", "0"], "jobs is 0"),
         (["run", "starmdp", "--algorithms", "bridge,sac"], "unknown algorithm"),
         (["run", "starmdp", "--algorithms", "bridge,bridge"], "expected each of them once"),
@@ -240,6 +240,7 @@ def test_damaged_mdp_files_are_refused(tmp_path: Path, capsys, monkeypatch) -> N
     assert main(["run", str(path)]) == 2
     assert "expected one whole number" in capsys.readouterr().err
     valid = {"transitions": mdp.transitions, "initial": mdp.initial, "horizon": 8, "reward": mdp.reward}
+    valid["reward_on"] = "arrival"
     np.savez(path, **valid | {"transitions": mdp.transitions + 1j})
     assert main(["run", str(path)]) == 2
     assert "must be arrays of numbers" in capsys.readouterr().err

@@ -79,13 +79,20 @@ def test_published_curves_are_drawn_only_beside_their_own_setting() -> None:
     assert "looked best" in drawn["against-best"]
     text = mujoco.words(data)
     assert "published 84.44 ± 23.21, ours" in text
+    assert "agreement does not show that ours repeat them" in text
+    assert "after 1, 5, 10, 20, 50 rounds: published -19.4, 1.4, 9.7, 17.4, 27.2, ours 7.0, 7.0, 7.0" in text
+    assert "their stored data are those of the greedy policy against a random one" in text
+    assert "theirs sampled ones" in text
     # on two seeds every round's regret is -1, or -2 on the rollouts that chose, which is 0 when clipped
-    assert "bridge: judged on fresh initial states -200.00 ± 0.00, read as published 0.00 ± 0.00" in text
-    seen = data.assign(suboptimality_seen=data.suboptimality_seen + 5)
-    assert "bridge: judged on fresh initial states -200.00 ± 0.00, read as published 600.00 ± 0.00" in mujoco.words(
-        seen
+    assert (
+        "bridge: judged on fresh initial states -200.00 (-200.00, -200.00), read as published 0.00 (0.00, 0.00)" in text
     )
-    assert "published 84.44 ± 23.21, ours 600.00 ± 0.00" in mujoco.words(seen)
+    seen = data.assign(suboptimality_seen=data.suboptimality_seen + 5)
+    assert (
+        "bridge: judged on fresh initial states -200.00 (-200.00, -200.00), read as published 600.00 (600.00, 600.00)"
+        in mujoco.words(seen)
+    )
+    assert "published 84.44 ± 23.21, ours 600.00 (600.00, 600.00)" in mujoco.words(seen)
 
 
 def test_words_name_the_expert_and_what_differs_from_the_published_runs() -> None:
@@ -94,6 +101,7 @@ def test_words_name_the_expert_and_what_differs_from_the_published_runs() -> Non
     assert "expert: shipped, ant" in text
     assert "trained by our PPO on episodes of 100 steps, theirs by TD3" in text
     assert "theirs by its steps" in text
+    assert "theirs lies inside the radius in every seed" in text
     assert "same settings" not in text
     text = mujoco.words(synthetic(reacher, 3))
     assert "expert: reacher-zoo" in text
@@ -125,6 +133,7 @@ def synthetic(settings: dict, rounds: int):  # type: ignore[no-untyped-def]
             ("suboptimality", -1.0),
             ("suboptimality_seen", -2.0),
             ("set_size", 3.0),
+            ("log_det", 7.0),
             ("cumulative_error", 0.1),
         )
     }
@@ -184,7 +193,7 @@ def test_the_differences_lead_to_the_published_preset(tmp_path: Path) -> None:
     told = mujoco_differences.words(data)
     assert f"not decided by these seeds, paired difference {effect}, on fresh initial states" in told
     data["suboptimality"].loc[{"step": last}] = 2.0
-    assert "no, paired difference 3.00 ± 0.00, on fresh initial states" in mujoco_differences.words(data)
+    assert "no, paired difference 3.00 (3.00, 3.00), on fresh initial states" in mujoco_differences.words(data)
 
 
 def test_a_damaged_result_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -95,7 +95,7 @@ def test_rewards_of_all_three_shapes_are_those_of_the_mdp(shape):
     base = garnet(4, 2, 2, np.random.default_rng(3))
     rng = np.random.default_rng(4)
     reward = rng.random({"arrival": 4, "pair": (4, 2), "transition": (4, 2, 4)}[shape])
-    env = TabularEnv(TabularMDP(base.transitions, base.initial, 50, reward))
+    env = TabularEnv(TabularMDP(base.transitions, base.initial, 50, reward, reward_on=shape))
     state, _ = env.reset(seed=0)
     for step in range(50):
         action = step % 2

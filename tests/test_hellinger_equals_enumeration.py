@@ -95,6 +95,6 @@ def test_a_kernel_by_step_has_one_kernel_for_each_transition(rng: np.random.Gene
     for steps in (1, 3):
         with pytest.raises(InputError, match=rf"has {steps} steps, expected H - 1 = 2"):
             Dynamics(np.stack([kernel] * steps), start, 3)
-    with pytest.raises(InputError, match=r"shape \(2, 2\), expected \(S, A, S\)"):
+    with pytest.raises(InputError, match=r" with 3 or 4 axes, got float64 of shape \(2, 2\)"):
         Dynamics(np.eye(2), start, 3)
     assert Dynamics(np.stack([kernel] * 2), start, 3).n_actions == 2

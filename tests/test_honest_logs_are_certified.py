@@ -248,5 +248,5 @@ def test_checking_loads_none_of_the_algorithms() -> None:
     )
     loaded = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, cwd=ROOT)
     parts = {name.split(".")[1] for name in loaded.stdout.split()}
-    assert parts <= {"run", "envs", "files", "npz", "mdp"}
+    assert parts <= {"run", "envs", "files", "npz", "mdp", "conventions", "given"}
     assert "bridge_algos.run.learners" not in loaded.stdout

@@ -88,7 +88,7 @@ def test_a_skipped_check_is_neither_bad_nor_evidence(run: Any) -> None:
     assert (report.status, report.bad) == ("skipped", False)
     claim = Claim("local:kappa", "name", "setting", "true", "statement", "because", (item,))
     found = standing(claim, {report.job: report})
-    assert (found.strongest, found.unsupported, found.problems) == (None, True, ())
+    assert (found.weakest, found.unsupported, found.problems) == (None, True, ())
 
 
 def test_long_checks_are_left_out_of_quick_runs(run: Any) -> None:
@@ -137,7 +137,7 @@ def test_evidence_of_a_repaired_form_does_not_support_the_claim(run: Any) -> Non
     claim = Claim("local:kappa", "name", "setting", "open", "statement", "because", (Evidence("open", "?"),), (repair,))
     report = run(SMALL)
     found = standing(claim, {report.job: report})
-    assert (found.strongest, found.repaired) == ("open", (("X1", "exact on instances"),))
+    assert (found.weakest, found.repaired) == ("open", (("X1", "exact on instances"),))
 
 
 def test_randomness_depends_on_the_seed_and_the_check_alone(run: Any) -> None:

@@ -12,9 +12,11 @@ from hypothesis import strategies as st
 from bridge_theory.arithmetic import flint_balls
 from bridge_theory.catalog import FORMULAS, all_bounds
 from bridge_theory.errors import InputError
+from proofs_checks.answers.checks import transcription as answers
 from proofs_checks.balls import prove_positive
 from proofs_checks.context import Context
 from proofs_checks.coverage import FALSE_ALARM, Coverage, cumulative
+from proofs_checks.ledger import claims
 from proofs_checks.online.checks import directions, environments
 from proofs_checks.online.checks.transcription import ONLINE
 from proofs_checks.online.checks.transcription_regret import REGRET
@@ -101,8 +103,14 @@ def test_a_direction_needs_all_parameters():
 
 def test_every_online_formula_is_transcribed():
     tables = {"empirical_bonus", "expected_bonus", "transition_bonus"}
-    formulas = {name for name, formula in FORMULAS.items() if formula.group != "offline"}
+    formulas = {name for name, formula in FORMULAS.items() if formula.group in ("online", "regret")}
     assert formulas == {*ONLINE, *REGRET, *tables}
+
+
+def test_every_formula_about_answers_is_transcribed_and_is_evidence_of_a_claim():
+    formulas = {name for name, formula in FORMULAS.items() if formula.group == "answers"}
+    transcribed = [item for claim in claims() for item in claim.evidence if item.check is answers.formulas]
+    assert formulas == set(answers.ANSWERS) == {name for item in transcribed for name in item.arguments["names"]}
 
 
 def test_formulas_left_out_of_the_directions_exist():

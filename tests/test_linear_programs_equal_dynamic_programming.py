@@ -74,7 +74,7 @@ def test_ties_go_to_the_lowest_action_even_when_rounding_differs():
 def test_states_without_occupancy_take_the_action_of_dynamic_programming():
     # State 2 is out of reach, and its second action is the better one.
     transitions = [[[0, 1, 0], [1, 0, 0]], [[0, 1, 0], [1, 0, 0]], [[1, 0, 0], [0, 1, 0]]]
-    mdp = TabularMDP(transitions, initial=[1, 0, 0], horizon=3, reward=[0, 1, 0])
+    mdp = TabularMDP(transitions, initial=[1, 0, 0], horizon=3, reward=[0, 1, 0], reward_on="arrival")
     assert make_expert(mdp, "finite-horizon-lp").policy.tolist() == [[0, 0, 1]] * 3
     assert make_expert(mdp, "discounted-lp").policy.tolist() == [0, 0, 1]
 

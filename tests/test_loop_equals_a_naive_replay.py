@@ -103,6 +103,8 @@ def test_replay(known: bool, confidence: str) -> None:
         kept = (difference @ w + gamma * norms + bonus[:, None] + bonus >= -1e-9).all(axis=1)
         assert record["set_size"][t] == kept.sum()
         objective = np.where(kept[:, None] & kept, gamma * norms + bonus[:, None] + bonus, -np.inf)
+        if kept.sum() > 1:
+            np.fill_diagonal(objective, -np.inf)
         first, second = int(record["first"][t]), int(record["second"][t])
         assert objective[first, second] == pytest.approx(objective.max(), rel=1e-7)
         assert record["uncertainty"][t] == pytest.approx(norms[first, second], abs=1e-6)

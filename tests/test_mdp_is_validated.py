@@ -9,7 +9,7 @@ from bridge_algos.trajectories import Trajectories, load_trajectories, save_traj
 from bridge_theory.errors import InputError
 
 KERNEL = np.array([[[0.5, 0.5]], [[0.0, 1.0]]])
-GOOD = {"transitions": KERNEL, "initial": [1.0, 0.0], "horizon": 2, "reward": [0.0, 1.0]}
+GOOD = {"transitions": KERNEL, "initial": [1.0, 0.0], "horizon": 2, "reward": [0.0, 1.0], "reward_on": "arrival"}
 
 
 def changed(**changes: object) -> dict[str, object]:
@@ -49,8 +49,8 @@ def test_rows_off_by_rounding_are_accepted_and_inputs_frozen() -> None:
 
 def test_every_reward_form_has_the_same_expectation() -> None:
     arrival = TabularMDP(**GOOD)  # type: ignore[arg-type]
-    pair = TabularMDP(**changed(reward=arrival.expected_reward))  # type: ignore[arg-type]
-    transition = TabularMDP(**changed(reward=np.broadcast_to([0.0, 1.0], (2, 1, 2))))  # type: ignore[arg-type]
+    pair = TabularMDP(**changed(reward=arrival.expected_reward, reward_on="pair"))  # type: ignore[arg-type]
+    transition = TabularMDP(**changed(reward=np.broadcast_to([0.0, 1.0], (2, 1, 2)), reward_on=""))  # type: ignore[arg-type]
     np.testing.assert_array_equal(arrival.expected_reward, [[0.5], [1.0]])
     np.testing.assert_array_equal(pair.expected_reward, arrival.expected_reward)
     np.testing.assert_array_equal(transition.expected_reward, arrival.expected_reward)

@@ -115,7 +115,7 @@ def test_a_function_of_the_whole_trajectory_is_sampled_with_its_error(dynamics: 
 
 
 def test_wrong_shapes_and_unknown_names_are_refused(dynamics: Dynamics) -> None:
-    with pytest.raises(InputError, match="batch of policies"):
+    with pytest.raises(InputError, match="policies"):
         total_occupancies(dynamics, np.zeros((2, S + 1), dtype=np.int64))
     with pytest.raises(InputError, match="expected one of identity_long"):
         make_embedding("identity", S, A, H)

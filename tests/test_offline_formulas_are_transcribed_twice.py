@@ -221,7 +221,7 @@ TRIVIAL: dict[str, float] = by_name(
             policy_error_finite policy_error_repaired policy_error_sharp policy_error_stated row_error_at_step
             trajectory_error_one_sided trajectory_error_stated trajectory_error_symmetrised
             transition_error_closed_form transition_error_counts transition_error_covering transition_error_infimum
-            transition_error_repaired transition_error_stated""",
+            transition_error_repaired transition_error_stated preference_width""",
     ),
 )
 coverage = S_reach * exp(-n * gamma / 8)

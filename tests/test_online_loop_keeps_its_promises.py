@@ -115,7 +115,7 @@ def test_published_bonus_is_the_documented_one() -> None:
     bonus = confidence.step_bonus(np.array([[0, 1, 4, 10**6]]))
     log = np.log(20)
     np.testing.assert_allclose(bonus[0], 0.01 * np.array([log, np.sqrt(log), np.sqrt(log / 4), np.sqrt(log / 1e6)]))
-    with pytest.raises(InputError, match="bonus multiplier"):
+    with pytest.raises(InputError, match="bonus_multiplier"):
         fixed(0.2, -1.0, 5, 4, 8, 1.0)
 
 

@@ -21,7 +21,10 @@ def naive(features, matrix, w, gamma, bonus):
     difference = features[:, None] - features[None]
     norms = np.sqrt(np.einsum("ijk,kl,ijl->ij", difference, np.linalg.inv(matrix), difference))
     kept = (difference @ w + gamma * norms + bonus[:, None] + bonus >= 0).all(axis=1)
-    return kept, gamma * norms + bonus[:, None] + bonus
+    objective = gamma * norms + bonus[:, None] + bonus
+    if len(objective) > 1:  # no policy is its own partner
+        np.fill_diagonal(objective, -np.inf)
+    return kept, objective
 
 
 sizes = st.sampled_from([1, 2, 7, 63, 64, 65, 200])

@@ -5,10 +5,12 @@ import pytest
 from conftest import random_dynamics
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.stats import chisquare
 
 from bridge_algos.envs.registry import make_mdp
 from bridge_algos.expert.stationary import best_stationary
 from bridge_algos.mdp import Dynamics, TabularMDP
+from bridge_algos.offline.ball_chain import BURN_IN, BallChain
 from bridge_algos.offline.policy_set import PolicySet
 from bridge_algos.policies import all_policies
 from bridge_theory.errors import InputError
@@ -85,7 +87,7 @@ def test_rejection_sampling_keeps_members_only(rng: np.random.Generator) -> None
     assert ball.contains(kept).all()
     assert len(keys(kept)) == len(kept) <= ball.count()
     nothing_fits = PolicySet(random_dynamics(rng, 12, 4, 9), np.zeros(12, dtype=np.int64), 0.0)
-    np.testing.assert_array_equal(nothing_fits.rejection_sample(1, rng), nothing_fits.center[None])
+    assert nothing_fits.rejection_sample(1, rng).shape == (0, 12)
 
 
 def test_bad_radius_and_too_large_enumerations_are_refused(rng: np.random.Generator) -> None:
@@ -95,3 +97,76 @@ def test_bad_radius_and_too_large_enumerations_are_refused(rng: np.random.Genera
             PolicySet(dynamics, center, radius)
     with pytest.raises(InputError, match="81 policies, above the limit of 80"):
         PolicySet(dynamics, center, 1.0).enumerate(80)
+
+
+def chi_square(ball: PolicySet, draws: np.ndarray) -> float:
+    """The p-value of uniformity over the whole set, members that never came up included."""
+    names, frequency = np.unique(draws, axis=0, return_counts=True)
+    assert ball.contains(names).all()
+    frequency = np.concatenate([frequency, np.zeros(ball.count() - len(names))])
+    return float(chisquare(frequency).pvalue)
+
+
+@pytest.mark.parametrize("radius", [0.5, 0.85, 0.95])
+@pytest.mark.parametrize("seed", range(4))
+def test_the_chain_is_uniform_where_the_set_can_be_counted(seed: int, radius: float) -> None:
+    """One draw from each of 20,000 independent chains; an honest chain fails with probability 1e-8, 12e-8 in all."""
+    rng = np.random.default_rng(seed)
+    center = rng.integers(3, size=5)
+    ball = PolicySet(random_dynamics(rng, 5, 3, 4), center, radius)
+    chain = BallChain(ball.dynamics, center, radius**2, chains=20_000)
+    for _ in range(BURN_IN):
+        chain.sweep(rng)
+    draws = chain.policies(rng)
+    if ball.count() > 1:
+        assert chi_square(ball, draws) > 1e-8
+
+
+def test_a_chain_that_forgets_the_number_of_other_actions_is_noticed() -> None:
+    rng = np.random.default_rng(0)
+    center = rng.integers(3, size=5)
+    ball = PolicySet(random_dynamics(rng, 5, 3, 4), center, 0.85)
+    chain = BallChain(ball.dynamics, center, 0.85**2, chains=20_000)
+    chain.n_actions = 2  # a state then joins with probability 1/2 instead of 2/3
+    for _ in range(BURN_IN):
+        chain.sweep(rng)
+    chain.n_actions = 3
+    assert chi_square(ball, chain.policies(rng)) < 1e-8
+
+
+def test_one_sweep_keeps_a_uniform_set_uniform() -> None:
+    """Stationarity, whatever the burn-in: exact draws stay exact draws."""
+    rng = np.random.default_rng(3)
+    center = rng.integers(3, size=5)
+    ball = PolicySet(random_dynamics(rng, 5, 3, 4), center, 0.85)
+    chain = BallChain(ball.dynamics, center, 0.85**2, chains=20_000)
+    chain.disagree = ball.sample(20_000, rng) != center
+    chain.sweep(rng)
+    assert chi_square(ball, chain.policies(rng)) > 1e-8
+
+
+@pytest.mark.parametrize("n_states", [36, 64])
+def test_a_chain_finds_many_members_where_proposals_find_none(n_states: int) -> None:
+    rng = np.random.default_rng(0)
+    ball = PolicySet(random_dynamics(rng, n_states, 4, 10), rng.integers(4, size=n_states), 0.9)
+    assert len(ball.rejection_sample(10_000, rng)) <= 1
+    found = ball.chain_sample(300, rng).policies
+    assert found.shape == (300, n_states)
+    assert len(keys(found)) == 300
+    assert ball.contains(found).all()
+    np.testing.assert_array_equal(found[0], ball.center)
+
+
+def test_a_chain_finds_the_whole_of_a_small_set() -> None:
+    rng = np.random.default_rng(0)
+    ball = PolicySet(random_dynamics(rng, 5, 3, 4), rng.integers(3, size=5), 0.7)
+    assert keys(ball.chain_sample(1000, rng).policies) == keys(ball.enumerate())
+    one = PolicySet(random_dynamics(rng, 5, 1, 4), np.zeros(5, dtype=np.int64), 1.0)
+    np.testing.assert_array_equal(one.chain_sample(10, rng).policies, one.center[None])
+
+
+def test_a_hopeless_chain_is_refused_in_time() -> None:
+    rng = np.random.default_rng(0)
+    ball = PolicySet(random_dynamics(rng, 300, 2, 200), np.zeros(300, dtype=np.int64), 0.9)
+    with pytest.raises(InputError, match="shorten the horizon"):
+        ball.chain_sample(10, rng)

@@ -121,7 +121,7 @@ def test_the_iso_regret_line_is_the_smallest_n_from_which_on_the_target_holds() 
     means = np.array([[5.0, 9.0], [1.0, 3.0], [2.0, 9.0], [0.0, 1.0]])
     regret = np.stack([means - 1, means + 1])[:, :, None]
     data = xr.Dataset(
-        {"pair_regret": (("seed", "n", "algorithm", "round"), regret)},
+        {"pair_regret": (("seed", "n", "algorithm", "round"), regret), "lowest_pair_regret": -1.0},
         {"n": [1, 2, 4, 8], "algorithm": ["bridge"], "round": [1, 2]},
     )
     low, needed, high = demonstrations.iso_regret(data, "bridge", 3.0)

@@ -124,9 +124,9 @@ class Elicitation:
         self._groups = groups.ravel()
         self.test = ModelTest(self.pool, self._groups, weights.radius)
         self._owners = np.full(len(self.pool), -1) if owners is None else np.asarray(owners)
-        spread = float(np.linalg.norm(self.features - self.features.mean(axis=0), axis=1).max()) * weights.radius
         aim = None if self.reference is None or not self.goal.rho else (self.reference, self.goal.rho)
-        scale = self.goal.nats or 0.1 * spread
+        spread = 0.0 if aim is None else float(np.linalg.norm(self.features - aim[0], axis=1).max())
+        scale = self.goal.nats or 0.1 * spread * weights.radius
         self.gap = Gap(self.features, weights.radius, self.goal.nats, scale, rivals, aim)
         self.history: list[tuple[int, int, int | None]] = []
         self.contradiction: str | None = None  # in words, and for good
@@ -207,6 +207,7 @@ class Elicitation:
                 "all answers come from one teacher, or from several who share w",
                 "questions are left unanswered for no reason that depends on the answer",
                 words,
+                *(("the best policy is better than the reference",) if self.goal.rho else ()),
             ),
             needs_weight_bound=bounded,
             answers=self.answers.total,
@@ -259,9 +260,7 @@ class Elicitation:
         gain = self.features[self.recommended] - self.reference
         least, most = (-self._highest(-gain), self._highest(gain))
         gap = self.gap.value + (self.goal.rho * max(most, 0.0) if self.goal.rho else 0.0)
-        if least <= 0:
-            return gap, 0.0
-        share = least / (least + gap)
+        share = least / (least + gap) if least > 0 else 0.0
         return gap, max(share, 1 / (1 + self.goal.rho)) if self.goal.rho and self.certified else share
 
     def _highest(self, direction: FloatArray) -> float:

@@ -177,6 +177,5 @@ class Gap:
         """Bounds that hold before any answer: W ||v||."""
         lengths = np.linalg.norm(self.features - self.anchor(recommended), axis=1)
         bounds = np.asarray(self.weight_bound * lengths * (1 + 1e-12))
-        if self.reference is None:
-            bounds[recommended] = 0.0
+        bounds[recommended] = 0.0  # if it is the best, nothing is lost; it gains because the best does
         return bounds

@@ -66,7 +66,7 @@ def simulated_utility(
     >>> from bridge_algos.envs.registry import make_mdp
     >>> utility = simulated_utility(make_mdp("starmdp"), "state_action_counts", utility_range=5)
     >>> round(utility.utility_range, 9), utility.error, round(utility.weight_bound, 2)
-    (5.0, 0.0, 2.84)
+    (5.0, 0.0, 2.83)
     """
     if embedding not in ADDITIVE:
         raise InputError(f"the embedding of asking must be one of {', '.join(ADDITIVE)}, got {embedding!r}.")

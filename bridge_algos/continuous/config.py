@@ -169,10 +169,10 @@ _PUBLISHED: dict[str, dict[str, Any]] = {
 def continuous_preset(name: str, environment: str) -> ContinuousConfig:
     """The settings of the authors' published runs, but for ``include_expert``; others take the defaults.
 
-    Where the runs and the paper's appendix "Continuous implementation" differ, these are the runs': on Reacher they
-    compare the widest pair, where the appendix has the greedy policy and a random one throughout. The experts are this
-    package's own; the texts of ``bridge-rl reproduce fig2-reacher`` and ``fig2-ant`` list what else is not as in the
-    runs.
+    On Reacher the pair rule is that of the parameters stored beside the runs, the widest pair. Their stored data
+    contradict it: they are those of the greedy policy against a random one, as the paper's appendix "Continuous
+    implementation" says throughout. The experts are this package's own; the texts of ``bridge-rl reproduce
+    fig2-reacher`` and ``fig2-ant`` list what else is not as in the runs.
 
     >>> continuous_preset("published", "ant").radius
     0.3

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -28,9 +29,18 @@ def load_demonstrations(source: str | Path, environment: Environment, horizon: i
     if str(source).endswith(".npz"):
         episodes = load_episodes(source).checked(environment)
     else:
+        _check_dataset_id(source)
         read = read_dataset(str(source), lambda dataset: episodes_from_minari(dataset, environment))
         episodes = read.checked(environment)
     return episodes if horizon is None else episodes.to_horizon(horizon)
+
+
+def _check_dataset_id(source: str | Path) -> None:
+    expected = "expected an .npz file, as 'bridge-rl expert demonstrate' writes, or the id of a local Minari dataset"
+    if Path(source).is_file():
+        raise InputError(f"{source} is a file of another kind, {expected} (whose own files are read by its id).")
+    if not re.fullmatch(r"[\w./-]+-v\d+", str(source)):
+        raise InputError(f"{source} is neither a file nor the id of a dataset (name-v0), {expected}.")
 
 
 def save_minari_demonstrations(dataset_id: str, episodes: Episodes, environment: Environment, **metadata: Any) -> Any:

@@ -20,6 +20,7 @@ from bridge_algos.continuous.gymnasium_block import GymnasiumBlock
 from bridge_algos.continuous.needs import need
 from bridge_algos.continuous.reacher import ReacherBlock
 from bridge_algos.continuous.starts import Starts
+from bridge_algos.envs.gymnasium_ids import why_not_mujoco
 from bridge_algos.mdp import FloatArray, IntArray
 from bridge_theory.errors import InputError
 
@@ -78,19 +79,21 @@ def make_environment(name: str) -> Environment:
     """The environment of a short name ("reacher", "ant") or of any Gymnasium id of a MuJoCo environment.
 
     Raises:
-        InputError: MuJoCo is not installed, or there is no such MuJoCo environment.
+        InputError: there is no such MuJoCo environment, or MuJoCo is not installed.
     """
+    gymnasium_id = SHORT_NAMES.get(name.lower(), name)
+    expected = f"expected one of {', '.join(SHORT_NAMES)} or the id of a MuJoCo environment of Gymnasium"
+    if problem := why_not_mujoco(gymnasium_id):
+        raise InputError(f"{problem}; {expected}.")
     need("mujoco")
     gymnasium = need("gymnasium")
     mujoco_env = need("gymnasium.envs.mujoco").MujocoEnv
-    gymnasium_id = SHORT_NAMES.get(name.lower(), name)
-    expected = f"expected one of {', '.join(SHORT_NAMES)} or the id of a MuJoCo environment of Gymnasium"
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DeprecationWarning)  # an older version of an environment was asked for
             reference = gymnasium.make(gymnasium_id)
     except (gymnasium.error.Error, ImportError) as error:
-        raise InputError(f"there is no environment {name!r} ({error}); {expected}.") from None
+        raise InputError(f"Gymnasium cannot make {name!r} ({error}); {expected}.") from None
     if not isinstance(reference.unwrapped, mujoco_env):
         raise InputError(f"{name!r} is not simulated by MuJoCo; {expected}.")
     if reference.spec.max_episode_steps is None:

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from bridge_algos.continuous.environments import Environment
-from bridge_algos.continuous.foreign_policies import policy_from_sb3_zip
 from bridge_algos.continuous.policies import MlpPolicy
 from bridge_algos.continuous.policy_files import load_policy
+from bridge_algos.continuous.sb3_zip import policy_from_sb3_zip
 from bridge_theory.errors import InputError
 
 SHIPPED = ("reacher", "reacher-zoo", "ant")
@@ -21,8 +21,9 @@ def load_expert(source: str | Path, environment: Environment) -> MlpPolicy:
     """An expert for an environment; nothing in its file is executed.
 
     Args:
-        source: one of ``SHIPPED``, the path of a ``.safetensors`` file written by ``save_policy``, or the
-            path of a ``.zip`` of Stable-Baselines3. A callable needs no loading: pass it to the rollouts.
+        source: one of ``SHIPPED``, the path of a ``.safetensors`` file written by ``save_policy``, or the path of a
+            ``.zip`` of Stable-Baselines3 (see :mod:`bridge_algos.continuous.sb3_zip`). A callable needs no loading:
+            pass it to the rollouts.
         environment: whose dimensions it must fit.
 
     Raises:
@@ -32,12 +33,14 @@ def load_expert(source: str | Path, environment: Environment) -> MlpPolicy:
     if path.suffix == ".safetensors":
         policy = load_policy(path)
     elif path.suffix == ".zip":
-        policy = policy_from_sb3_zip(path)
+        policy = policy_from_sb3_zip(path, environment)
     elif path.suffix in (".pt", ".pth", ".pkl", ".pickle"):
         raise InputError(
             f"{source} may be a pickle, which can run any program when it is loaded; load it yourself in Python and "
             "pass policy_from_module(module) to the rollouts."
         )
+    elif path.exists():
+        raise InputError(f"{source} is a file of another kind, expected a .safetensors file or an SB3 .zip.")
     else:
         known = ", ".join(SHIPPED)
         raise InputError(

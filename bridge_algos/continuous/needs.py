@@ -1,4 +1,4 @@
-"""The packages of the ``continuous`` extra, imported when they are used; a missing one is named in a sentence."""
+"""Packages of the extras ``continuous`` and ``sb3``, imported when they are used; a missing one gets a sentence."""
 
 from __future__ import annotations
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -23,14 +23,17 @@ def _relu(x: FloatArray) -> FloatArray:
 
 ACTIVATIONS: dict[str, Callable[[FloatArray], FloatArray]] = {"tanh": np.tanh, "relu": _relu}
 
+OPTIONAL = ("std", "observation_mean", "observation_scale", "action_low", "action_high", "squash_clip")
+"""The arrays that a policy may have besides its weights and biases."""
+
 
 @dataclass(frozen=True, eq=False)
 class MlpPolicy:
     r"""A Gaussian policy :math:`a \sim N(\mu(s), diag(std^2))` whose mean is a multilayer perceptron.
 
-    Hidden layers have the activation, the last one none, or the hyperbolic tangent where ``squashed``. The input is
-    the observation, normalised where a mean and a scale are given: ``clip((o - mean) / scale, -clip, clip)``.
-    Everything is computed in float64 with NumPy.
+    Hidden layers have the activation. The last one has none, or the hyperbolic tangent where ``squashed``, which is
+    then rescaled from [-1, 1] to the action range where one is given. The input is the observation, normalised where a
+    mean and a scale are given: ``clip((o - mean) / scale, -clip, clip)``. Everything is computed in float64 with NumPy.
 
     Args:
         weights: (fan_in, fan_out) of each layer.
@@ -41,9 +44,12 @@ class MlpPolicy:
         observation_scale: (d_s,) positive, or None.
         observation_clip: bound on the normalised inputs.
         squashed: whether the mean is the hyperbolic tangent of the last layer.
+        action_low, action_high: (d_a,) the range that a squashed mean is rescaled to; both None for [-1, 1].
+        squash_clip: (d_a,) positive bound on the last layer before it is squashed, or None.
 
     Raises:
-        InputError: shapes that do not fit, an unknown activation, or values that are not finite.
+        InputError: shapes that do not fit, an unknown activation, an empty range, values that are not finite, or a
+            range or a ``squash_clip`` without ``squashed``.
 
     >>> policy = MlpPolicy((np.ones((3, 2)), np.ones((2, 1))), (np.zeros(2), np.zeros(1)))
     >>> policy(np.zeros((4, 3))).shape, policy.parameters.shape
@@ -58,6 +64,9 @@ class MlpPolicy:
     observation_scale: FloatArray | None = None
     observation_clip: float = np.inf
     squashed: bool = False
+    action_low: FloatArray | None = None
+    action_high: FloatArray | None = None
+    squash_clip: FloatArray | None = None
 
     def __post_init__(self) -> None:
         if self.activation not in ACTIVATIONS:
@@ -71,16 +80,28 @@ class MlpPolicy:
                 f"the layers have weights of shapes {shapes} and biases of {[np.shape(b) for b in self.biases]}, "
                 "expected (fan_in, fan_out) and (fan_out,), each layer taking what the one before gives."
             )
-        expected = {"std": shapes[-1][1:], "observation_mean": shapes[0][:1], "observation_scale": shapes[0][:1]}
-        for name, shape in expected.items():
-            value = getattr(self, name)
-            if value is not None and np.shape(value) != shape:
-                raise InputError(f"{name} has shape {np.shape(value)}, expected {shape}.")
-        extra = [value for value in map(self.__dict__.get, expected) if value is not None]
-        if not all(np.isfinite(value).all() for value in (*self.weights, *self.biases, *extra)):
+        inputs, outputs = shapes[0][:1], shapes[-1][1:]
+        expected = dict.fromkeys(OPTIONAL, outputs) | {"observation_mean": inputs, "observation_scale": inputs}
+        given = {name: value for name in OPTIONAL if (value := getattr(self, name)) is not None}
+        for name, value in given.items():
+            if np.shape(value) != expected[name]:
+                raise InputError(f"{name} has shape {np.shape(value)}, expected {expected[name]}.")
+        if not all(np.isfinite(value).all() for value in (*self.weights, *self.biases, *given.values())):
             raise InputError("the policy has parameters that are not finite; it cannot be used.")
-        if self.observation_scale is not None and np.min(self.observation_scale) <= 0:
-            raise InputError(f"observation_scale goes down to {np.min(self.observation_scale)}, expected above zero.")
+        positive = {name: given[name] for name in ("observation_scale", "squash_clip") if name in given}
+        for name, value in (positive | {"observation_clip": self.observation_clip}).items():
+            if not np.min(value) > 0:
+                raise InputError(f"{name} goes down to {np.min(value)}, expected above zero.")
+        self._check_squashing(given)
+
+    def _check_squashing(self, given: Mapping[str, FloatArray]) -> None:
+        named = [name for name in ("action_low", "action_high", "squash_clip") if name in given]
+        if named and not self.squashed:
+            raise InputError(f"{named[0]} is given, but only squashed means are rescaled; leave it out.")
+        if ("action_low" in given) != ("action_high" in given):
+            raise InputError(f"of the action range only {named[0]} is given, expected action_low and action_high.")
+        if "action_low" in given and not (given["action_low"] < given["action_high"]).all():
+            raise InputError("action_low is not below action_high in each coordinate; expected a range of actions.")
 
     @property
     def observation_size(self) -> int:
@@ -97,7 +118,14 @@ class MlpPolicy:
         for weight, bias in zip(self.weights[:-1], self.biases[:-1], strict=True):
             x = activation(x @ weight + bias)
         x = x @ self.weights[-1] + self.biases[-1]
-        return np.asarray(np.tanh(x) if self.squashed else x)
+        return np.asarray(self._squash(x) if self.squashed else x)
+
+    def _squash(self, x: FloatArray) -> FloatArray:
+        if self.squash_clip is not None:
+            x = np.clip(x, -self.squash_clip, self.squash_clip)
+        if self.action_low is None or self.action_high is None:
+            return np.tanh(x)
+        return self.action_low + 0.5 * (np.tanh(x) + 1.0) * (self.action_high - self.action_low)
 
     def normalised(self, observations: FloatArray) -> FloatArray:
         """The network's inputs: observations (..., d_s), normalised and clipped."""
@@ -130,10 +158,17 @@ class MlpPolicy:
             at += fan_out
         return replace(self, weights=tuple(weights), biases=tuple(biases))
 
+    def with_normalisation(self, mean: FloatArray, scale: FloatArray, clip: float) -> MlpPolicy:
+        """The policy with other statistics of its observations: ``clip((o - mean) / scale, -clip, clip)``."""
+        return replace(self, observation_mean=mean, observation_scale=scale, observation_clip=clip)
+
     def digest(self) -> str:
         """A hexadecimal name of the content: equal policies have equal ones."""
         content = hashlib.sha256(f"{self.activation} {self.observation_clip} {self.squashed}".encode())
         for array in (*self.weights, *self.biases, self.std, self.observation_mean, self.observation_scale):
             values: NDArray[np.float64] = np.zeros(0) if array is None else np.ascontiguousarray(array, np.float64)
             content.update(f"{values.shape}".encode() + values.tobytes())
+        for name in ("action_low", "action_high", "squash_clip"):
+            if (array := getattr(self, name)) is not None:  # policies without them keep the digests they always had
+                content.update(f"{name} {array.shape}".encode() + np.ascontiguousarray(array, np.float64).tobytes())
         return content.hexdigest()

@@ -10,15 +10,14 @@ and only the policy so far is kept. It also seeds the global generators of NumPy
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from bridge_algos.continuous.environments import Environment
-from bridge_algos.continuous.foreign_policies import policy_from_sb3_state
 from bridge_algos.continuous.needs import need
 from bridge_algos.continuous.policies import MlpPolicy
+from bridge_algos.continuous.sb3_network import policy_from_sb3_state
 from bridge_theory.errors import InputError
 
 STEPS = 1_000_000
@@ -77,13 +76,10 @@ def train_with_sb3(
 
 def _policy(model: Any, envs: Any) -> MlpPolicy:
     state = {name: value.numpy().astype(np.float64) for name, value in model.policy.state_dict().items()}
-    policy = policy_from_sb3_state(state, None, "the trained model")
+    policy = policy_from_sb3_state(state, "the trained model")
     moments = getattr(envs, "obs_rms", None)
     if moments is None:
         return policy
-    return replace(
-        policy,
-        observation_mean=moments.mean.copy(),
-        observation_scale=np.sqrt(moments.var + envs.epsilon),
-        observation_clip=float(envs.clip_obs),
+    return policy.with_normalisation(
+        moments.mean.copy(), np.sqrt(moments.var + envs.epsilon), clip=float(envs.clip_obs)
     )

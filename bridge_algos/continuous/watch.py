@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bridge_algos.continuous.config import ContinuousConfig, continuous_preset, is_continuous
+from bridge_algos.continuous.needs import need
+from bridge_algos.envs.gymnasium_ids import mujoco_id
 from bridge_algos.files import atomic_write
 from bridge_theory.cli.options import Parser
 from bridge_theory.errors import ComputationError, InputError
@@ -51,6 +53,7 @@ def main(argv: list[str]) -> int:
     path = options.out or (directory / "watch.gif" if directory.is_dir() else Path(f"{options.source}.gif"))
     if path.suffix != ".gif":
         raise InputError(f"--out is {path}, expected a path that ends in .gif.")
+    need("mujoco")
     backend = working_backend()
     if backend is None:
         raise ComputationError(
@@ -89,7 +92,9 @@ def _tried() -> tuple[str, ...]:
 
 def _named(source: str) -> ContinuousConfig:
     if not is_continuous(source):
-        raise InputError(f"{source!r} is no directory of a run and no MuJoCo environment; expected one of the two.")
+        identifier = mujoco_id(source)
+        hint = f" by that name, but {identifier} is one" if identifier else "; expected one of the two"
+        raise InputError(f"{source!r} is no directory of a run and no MuJoCo environment{hint}.")
     return continuous_preset("published", source)
 
 

@@ -51,6 +51,8 @@ def garnet(n_states: int, n_actions: int, branching: int, rng: np.random.Generat
         horizon=_whole("horizon", horizon),
         reward=rng.random(pairs),
         name=f"Garnet({n_states}, {n_actions}, {branching})",
+        axes="state-action",
+        reward_on="pair",
     )
 
 
@@ -88,6 +90,7 @@ def chain(n_states: int = 5, slip: float = 0.2, horizon: int = 10) -> TabularMDP
         reward=reward,
         name="Chain",
         action_names=("forward", "back"),
+        axes="state-action",
     )
 
 
@@ -137,6 +140,8 @@ def cliff(n_rows: int = 3, n_columns: int = 5, slip: float = 0.1, fall: float = 
         name="Cliff",
         state_names=cell_names(layout),
         action_names=DIRECTIONS,
+        axes="state-action",
+        reward_on="arrival",
         layout=layout,
     )
 
@@ -152,10 +157,8 @@ def _whole(name: str, value: Any, least: int = 1) -> int:
 
 
 def _probability(name: str, value: Any) -> float:
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        number = -1.0
+    real = isinstance(value, int | float | np.number) and not isinstance(value, bool | np.complexfloating)
+    number = float(value) if real else -1.0
     if not 0 <= number <= 1:
         raise InputError(f"{name} is {value!r}, expected a probability between 0 and 1.")
     return number

@@ -88,6 +88,8 @@ def mdp_from_gymnasium(environment: Any, horizon: int | None = None) -> TabularM
         state_names=tuple(names),
         action_names=_ACTION_NAMES.get(type(table).__name__, ()),
         layout=_layout(table, total),
+        axes="state-action",
+        reward_on="transition",
     )
 
 
@@ -100,7 +102,9 @@ def _opened(environment: Any) -> Any:
         raise InputError(f"environment is {environment!r}, expected a Gymnasium environment or the id of one.")
     try:
         return gymnasium.make(environment)
-    except (gymnasium.error.Error, ImportError) as error:
+    except (gymnasium.error.DependencyNotInstalled, ImportError) as error:
+        raise InputError(f"Gymnasium cannot make {environment!r} without a package ({error}); install it.") from None
+    except gymnasium.error.Error as error:
         raise InputError(f"Gymnasium cannot make {environment!r} ({error}); give an id that it knows.") from None
 
 

@@ -75,6 +75,8 @@ def gridworld(variant: str = "published") -> TabularMDP:
         action_names=ACTIONS,
         state_names=cell_names(layout),
         layout=layout,
+        axes="state-action",
+        reward_on="arrival",
     )
 
 

@@ -196,6 +196,6 @@ def require_minari(name: str) -> Any:
     """Import ``minari`` or a package that it needs, or say in a sentence what to install."""
     if importlib.util.find_spec(name) is None:
         raise InputError(
-            f"Minari datasets need the package {name!r}, which is not installed; pip install 'minari[hdf5]'."
+            f"Minari datasets need the package {name!r}, which is not installed; pip install 'bridge-rl[continuous]'."
         )
     return importlib.import_module(name)

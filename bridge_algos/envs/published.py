@@ -25,6 +25,8 @@ def published_mdp(name: str, **labels: Any) -> TabularMDP:
         name=name,
         action_names=tuple(record["actions"]),
         **labels,
+        axes="state-action",
+        reward_on="arrival",
     )
 
 

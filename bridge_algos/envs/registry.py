@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import difflib
 import inspect
+import os
 from collections.abc import Callable
 from typing import Any
 
@@ -14,6 +15,7 @@ from bridge_algos.envs.counterexamples import two_actions
 from bridge_algos.envs.families import chain, cliff, garnet
 from bridge_algos.envs.from_gymnasium import mdp_from_gymnasium
 from bridge_algos.envs.gridworld import gridworld
+from bridge_algos.envs.gymnasium_ids import TABLES, mujoco_id
 from bridge_algos.envs.star import star_mdp
 from bridge_algos.mdp import TabularMDP
 from bridge_theory.errors import InputError
@@ -41,9 +43,7 @@ def make_mdp(name: str, **options: Any) -> TabularMDP:
     """
     key = str(name).lower()
     if key not in _MAKERS:
-        close = difflib.get_close_matches(key, _MAKERS, n=1)
-        guess = f" (did you mean {close[0]!r}?)" if close else ""
-        raise InputError(f"there is no environment {name!r}{guess}; expected one of {', '.join(mdp_names())}.")
+        raise InputError(_unknown(str(name)))
     maker = _MAKERS[key]
     allowed = sorted(inspect.signature(maker).parameters)
     unknown = sorted(set(options) - set(allowed))
@@ -55,6 +55,18 @@ def make_mdp(name: str, **options: Any) -> TabularMDP:
 def mdp_names() -> tuple[str, ...]:
     """The names that :func:`make_mdp` takes, in alphabetical order."""
     return tuple(sorted(_MAKERS))
+
+
+def _unknown(name: str) -> str:
+    """Why a name is none of an MDP: an environment or a file of another kind, or nothing that is known."""
+    expected = f"expected one of {', '.join(mdp_names())}"
+    if os.path.isfile(name):  # unlike Path.is_file, false for a name that no file can have
+        return f"{name} is a file of another kind, expected an MDP's .npz file, as save_mdp writes, or an environment."
+    if identifier := mujoco_id(name):
+        return f"{name!r} is no tabular environment; {identifier} of MuJoCo is run by that id; {expected}."
+    close = difflib.get_close_matches(name.lower(), _MAKERS, n=1)
+    guess = f" (did you mean {close[0]!r}?)" if close else ""
+    return f"there is no environment {name!r}{guess}; {expected}."
 
 
 def _fixed(mdp_of: Callable[[str], TabularMDP], variant: str) -> Callable[..., TabularMDP]:
@@ -86,9 +98,6 @@ _MAKERS: dict[str, Callable[..., TabularMDP]] = {
     "chain": chain,
     "cliff": cliff,
     "garnet": _garnet,
-    "frozenlake": _from_gymnasium("FrozenLake-v1"),
-    "frozenlake8x8": _from_gymnasium("FrozenLake8x8-v1"),
-    "cliffwalking": _from_gymnasium("CliffWalking-v1"),
-    "taxi": _from_gymnasium("Taxi-v4"),
+    **{name: _from_gymnasium(identifier) for name, identifier in TABLES.items()},
     "counterexample-known-model": two_actions,
 }

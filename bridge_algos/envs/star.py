@@ -71,6 +71,8 @@ def star_mdp(variant: str = "published") -> TabularMDP:
         reward=np.array([0.0, 0.0, 6.0, -1.0, 10.0]),
         name="StarMDP (text)",
         action_names=ACTIONS,
+        axes="state-action",
+        reward_on="arrival",
     )
 
 

@@ -42,7 +42,8 @@ def branch_and_bound(mdp: TabularMDP, node_limit: int | None = None) -> Stationa
     Raises:
         InputError: for a node limit below 1.
 
-    >>> mdp = TabularMDP(transitions=[[[1, 0], [0, 1]], [[0, 1], [0, 1]]], initial=[1, 0], horizon=3, reward=[0, 1])
+    >>> kernel = [[[1, 0], [0, 1]], [[0, 1], [0, 1]]]
+    >>> mdp = TabularMDP(kernel, [1, 0], horizon=3, reward=[0, 1], axes="state-action", reward_on="arrival")
     >>> best = branch_and_bound(mdp)
     >>> best.policy, best.value, best.optimal
     (array([1, 0]), 3.0, True)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from bridge_algos.evaluation import expected_next_value
+from bridge_algos.given import check_policy, checked
 from bridge_algos.mdp import FloatArray, IntArray, TabularMDP
 from bridge_theory.errors import InputError
 
@@ -29,7 +30,8 @@ def backward_induction(mdp: TabularMDP) -> tuple[IntArray, FloatArray]:
             the optimum.
         values: (H + 1, S) optimal values, the last row zero.
 
-    >>> mdp = TabularMDP(transitions=[[[1, 0], [0, 1]], [[0, 1], [0, 1]]], initial=[1, 0], horizon=2, reward=[0, 1])
+    >>> kernel = [[[1, 0], [0, 1]], [[0, 1], [0, 1]]]
+    >>> mdp = TabularMDP(kernel, [1, 0], horizon=2, reward=[0, 1], axes="state-action", reward_on="arrival")
     >>> backward_induction(mdp)
     (array([[1, 0], [1, 0]]), array([[2., 2.], [1., 1.], [0., 0.]]))
     """
@@ -42,6 +44,7 @@ def backward_induction(mdp: TabularMDP) -> tuple[IntArray, FloatArray]:
     return policy, values
 
 
+@checked
 def policy_iteration(mdp: TabularMDP, discount: float) -> tuple[IntArray, FloatArray]:
     r"""An optimal stationary deterministic policy for the discounted return :math:`E \sum_t \gamma^{t-1} r_t`.
 
@@ -56,7 +59,8 @@ def policy_iteration(mdp: TabularMDP, discount: float) -> tuple[IntArray, FloatA
         policy: (S,) integers, the lowest of the tied actions.
         values: (S,) its discounted values.
 
-    >>> mdp = TabularMDP(transitions=[[[1, 0], [0, 1]], [[0, 1], [0, 1]]], initial=[1, 0], horizon=2, reward=[0, 1])
+    >>> kernel = [[[1, 0], [0, 1]], [[0, 1], [0, 1]]]
+    >>> mdp = TabularMDP(kernel, [1, 0], horizon=2, reward=[0, 1], axes="state-action", reward_on="arrival")
     >>> policy_iteration(mdp, discount=0.5)
     (array([1, 0]), array([2., 2.]))
     """
@@ -75,8 +79,10 @@ def policy_iteration(mdp: TabularMDP, discount: float) -> tuple[IntArray, FloatA
         policy = np.where(improved, better, policy)
 
 
+@checked
 def discounted_values(mdp: TabularMDP, policy: IntArray, discount: float) -> FloatArray:
     """(S,) discounted values of a deterministic stationary policy (S,), by one linear solve."""
+    check_policy("policy", policy, mdp.n_states, mdp.n_actions)
     states = np.arange(mdp.n_states)
     system = np.eye(mdp.n_states) - discount * mdp.transitions[states, policy]
     return np.asarray(np.linalg.solve(system, mdp.expected_reward[states, policy]))

@@ -17,6 +17,7 @@ from bridge_algos.expert.dynamic_programming import backward_induction, discount
 from bridge_algos.expert.linear_program import discounted_program, finite_horizon_program, solve_program
 from bridge_algos.expert.stationary import best_stationary
 from bridge_algos.expert.stationary_optimum import StationaryOptimum
+from bridge_algos.given import checked
 from bridge_algos.mdp import FloatArray, IntArray, TabularMDP
 from bridge_theory.errors import InputError
 
@@ -93,6 +94,7 @@ class Expert:
         )
 
 
+@checked
 def make_expert(mdp: TabularMDP, kind: str, discount: float = 0.99, solver: str = "HIGHS") -> Expert:
     """An optimal policy by one of three criteria, certified.
 
@@ -111,7 +113,8 @@ def make_expert(mdp: TabularMDP, kind: str, discount: float = 0.99, solver: str 
         InputError: for an unknown kind, a discount out of range or a solver that is not installed.
         SolverError: when the solver fails or its answer does not stand up to the certificate.
 
-    >>> mdp = TabularMDP(transitions=[[[1, 0], [0, 1]], [[0, 1], [0, 1]]], initial=[1, 0], horizon=3, reward=[0, 1])
+    >>> kernel = [[[1, 0], [0, 1]], [[0, 1], [0, 1]]]
+    >>> mdp = TabularMDP(kernel, [1, 0], horizon=3, reward=[0, 1], axes="state-action", reward_on="arrival")
     >>> print(make_expert(mdp, "best-stationary").describe())
     The best-stationary expert (stationary, by enumeration, optimal) returns 3; no stationary deterministic policy
     returns more: the best stationary deterministic policy returns 3, optimal up to ... by enumeration. The best

@@ -31,7 +31,8 @@ def best_stationary(mdp: TabularMDP, node_limit: int | None = None) -> Stationar
     Args:
         node_limit: see :func:`bridge_algos.expert.branch_and_bound.branch_and_bound`.
 
-    >>> mdp = TabularMDP(transitions=[[[1, 0], [0, 1]], [[0, 1], [0, 1]]], initial=[1, 0], horizon=3, reward=[0, 1])
+    >>> kernel = [[[1, 0], [0, 1]], [[0, 1], [0, 1]]]
+    >>> mdp = TabularMDP(kernel, [1, 0], horizon=3, reward=[0, 1], axes="state-action", reward_on="arrival")
     >>> best = best_stationary(mdp)
     >>> best.policy, best.value, best.optimal, best.method
     (array([1, 0]), 3.0, True, 'enumeration')

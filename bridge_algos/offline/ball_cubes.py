@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bridge_algos.given import checked
 from bridge_algos.hellinger import disagreement_probability
 from bridge_algos.mdp import Dynamics, FloatArray, IntArray
 from bridge_algos.shapes import Policy
@@ -45,6 +46,7 @@ class Cubes:
         return [(a - 1) ** differing * a**free for differing, free in pairs]
 
 
+@checked
 def ball_cubes(dynamics: Dynamics, center: Policy, squared_radius: float) -> Cubes:
     """All deterministic stationary policies with H^2 <= r^2 to the centre, as disjoint cubes.
 
@@ -65,7 +67,8 @@ def ball_cubes(dynamics: Dynamics, center: Policy, squared_radius: float) -> Cub
         if work > WORK_LIMIT:
             raise InputError(
                 f"listing the ball of radius {squared_radius**0.5:g} over {n_states} states takes more than "
-                f"{WORK_LIMIT:.0e} multiplications; use rejection sampling or a radius nearer to 0 or 1."
+                f"{WORK_LIMIT:.0e} multiplications; find members of it with chain_sample, or take a radius nearer to 0 "
+                "or 1."
             )
         fits = _hit(dynamics, center, out | undecided) <= limit
         found.append((out[fits], np.broadcast_to(undecided, (int(fits.sum()), n_states))))

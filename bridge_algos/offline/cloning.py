@@ -12,6 +12,7 @@ from typing import Literal
 
 import numpy as np
 
+from bridge_algos.given import checked
 from bridge_algos.shapes import PairCounts, PairTable, Policy
 from bridge_algos.trajectories import Trajectories
 from bridge_theory.errors import InputError
@@ -19,6 +20,7 @@ from bridge_theory.errors import InputError
 TieBreak = Literal["random", "first"]
 
 
+@checked
 def action_counts(demonstrations: Trajectories, n_states: int, n_actions: int) -> PairCounts:
     """How often each action was taken in each state, (S, A), over all H recorded pairs."""
     demonstrations.checked(n_states, n_actions)
@@ -27,6 +29,7 @@ def action_counts(demonstrations: Trajectories, n_states: int, n_actions: int) -
     return counts
 
 
+@checked
 def clone_deterministic(
     counts: PairCounts, rng: np.random.Generator | None = None, tie_break: TieBreak = "random"
 ) -> Policy:
@@ -50,6 +53,7 @@ def clone_deterministic(
     return np.asarray(np.where(best, rng.random(counts.shape), -1.0).argmax(axis=1))
 
 
+@checked
 def clone_stochastic(counts: PairCounts) -> PairTable:
     """The stochastic stationary clone (S, A): action frequencies, uniform in unvisited states.
 
@@ -61,6 +65,7 @@ def clone_stochastic(counts: PairCounts) -> PairTable:
     return np.asarray(np.where(totals > 0, counts / np.maximum(totals, 1), 1.0 / counts.shape[1]))
 
 
+@checked
 def add_action_noise(
     demonstrations: Trajectories, probability: float, n_actions: int, rng: np.random.Generator
 ) -> Trajectories:
@@ -70,6 +75,7 @@ def add_action_noise(
     """
     if not 0 <= probability <= 1:
         raise InputError(f"the noise probability is {probability}, expected a number in [0, 1].")
+    demonstrations.checked(np.iinfo(np.int64).max, n_actions)
     replaced = rng.random(demonstrations.actions.shape) < probability
     noise = rng.integers(n_actions, size=demonstrations.actions.shape)
     return Trajectories(demonstrations.states, np.where(replaced, noise, demonstrations.actions))

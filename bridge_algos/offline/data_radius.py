@@ -12,6 +12,7 @@ from fractions import Fraction
 import numpy as np
 
 import bridge_theory as theory
+from bridge_algos.given import checked
 from bridge_algos.hellinger import disagreement_probability
 from bridge_algos.mdp import Dynamics, FloatArray
 from bridge_algos.offline.step_counts import StepCounts
@@ -31,6 +32,7 @@ def unsettled_states(counts: StepCounts, clone: Policy) -> np.ndarray:
     return np.asarray((agreeing == 0) | (agreeing < pairs.sum(axis=1)))
 
 
+@checked
 def leaving_mass(counts: StepCounts, initial: FloatArray, clone: Policy, empty_row: EmptyRow) -> Enclosure:
     r"""Certified ends of :math:`\rho^2=\hat P^{BC}(\text{meet an unsettled state})` under the exact count estimate.
 
@@ -67,6 +69,7 @@ def _exact_row(counts: list[int], state: int, empty_row: EmptyRow) -> list[tuple
     return [(s, Fraction(count, sum(counts))) for s, count in enumerate(counts) if count]
 
 
+@checked
 def leaving_radius(counts: StepCounts, estimate: Dynamics, clone: Policy) -> float:
     r"""Statement: :math:`H(\hat P^{\pi^*},\hat P^{BC})\le\rho`, surely, with
     :math:`\rho^2=\hat P^{BC}(\text{meet an unsettled state})`, see :func:`unsettled_states`.
@@ -80,6 +83,7 @@ def leaving_radius(counts: StepCounts, estimate: Dynamics, clone: Policy) -> flo
     return float(theory.offline_radius_mass.estimate(mass=mass))
 
 
+@checked
 def data_dependent_radius(counts: StepCounts, estimate: Dynamics, clone: Policy, delta: float) -> float:
     r"""Statement: :math:`H(\hat P^{\pi^*},\hat P^{BC})\le\sin\min(\pi/2,\arcsin\sqrt{R_1}+\arccos(1-R_2))` with
     probability at least :math:`1-\delta`.
@@ -101,6 +105,7 @@ def data_dependent_radius(counts: StepCounts, estimate: Dynamics, clone: Policy,
     )
 
 
+@checked
 def transition_error_from_counts(counts: StepCounts, estimate: Dynamics, clone: Policy, delta: float) -> float:
     r"""Statement: :math:`H^2(\hat P^{\pi^*},P_*^{\pi^*})\le R_2` with probability at least :math:`1-\delta`.
 

@@ -11,8 +11,10 @@ from math import prod
 
 import numpy as np
 
+from bridge_algos.given import check_fields, check_policy
 from bridge_algos.hellinger import disagreement_probability
 from bridge_algos.mdp import Dynamics, IntArray
+from bridge_algos.offline.ball_chain import ChainSample, chain_sample
 from bridge_algos.offline.ball_cubes import ROUNDING_SLACK, Cubes, ball_cubes
 from bridge_algos.policies import digits, random_policies
 from bridge_algos.shapes import PerPolicy, Policies
@@ -37,8 +39,8 @@ class PolicySet:
     radius: float
 
     def __post_init__(self) -> None:
-        if not self.radius >= 0:
-            raise InputError(f"the radius is {self.radius}, expected a number of at least 0 (1 keeps every policy).")
+        check_fields(self)
+        check_policy("center", self.center, self.dynamics.n_states, self.dynamics.n_actions)
 
     def distances(self, policies: Policies) -> PerPolicy:
         """Hellinger distances H (not squared) of policies (N, S) to the centre, (N,)."""
@@ -63,9 +65,23 @@ class PolicySet:
         return self._inside((np.arange(2**n_states)[:, None] >> np.arange(n_states)) & 1 == 1)
 
     @cached_property
+    def _listing(self) -> Cubes | InputError:
+        try:
+            return ball_cubes(self.dynamics, self.center, min(self.radius, 1.0) ** 2)
+        except InputError as error:  # it took seconds to find out
+            return error
+
+    @property
+    def is_listed(self) -> bool:
+        """Whether the set can be counted and listed; where not, :meth:`chain_sample` still finds members."""
+        return isinstance(self._listing, Cubes)
+
+    @property
     def cubes(self) -> Cubes:
         """The set as disjoint cubes; see :func:`bridge_algos.offline.ball_cubes.ball_cubes`."""
-        return ball_cubes(self.dynamics, self.center, min(self.radius, 1.0) ** 2)
+        if isinstance(self._listing, InputError):
+            raise InputError(str(self._listing))
+        return self._listing
 
     def count(self) -> int:
         """The exact number of policies in the set, out of A^S, as a Python integer."""
@@ -96,7 +112,7 @@ class PolicySet:
     def rejection_sample(self, proposals: int, rng: np.random.Generator) -> Policies:
         """Those of ``proposals`` uniform random policies that lie in the set, without repetitions (the paper's way).
 
-        When none does, the set is the centre alone: a learner needs at least one policy.
+        None or hardly any, where the set is a small part of all policies, as it soon is with many states.
         """
         size = max(1, PROPOSED_ENTRIES // self.dynamics.n_states)
         kept = []
@@ -104,8 +120,12 @@ class PolicySet:
             n = min(size, proposals - start)
             candidates = random_policies(n, self.dynamics.n_states, self.dynamics.n_actions, rng)
             kept.append(candidates[self.contains(candidates)])
-        found = np.concatenate(kept)
-        return np.unique(found, axis=0) if len(found) else self.center[None].copy()
+        return np.unique(np.concatenate(kept), axis=0)
+
+    def chain_sample(self, n: int, rng: np.random.Generator) -> ChainSample:
+        """At most n different members, the centre among them, however large the set: see
+        :mod:`bridge_algos.offline.ball_chain`."""
+        return chain_sample(self.dynamics, self.center, min(self.radius, 1.0) ** 2, n, rng)
 
     def _cube(self, index: int) -> IntArray:
         n_actions = self.dynamics.n_actions

@@ -14,10 +14,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import bridge_theory as theory
+from bridge_algos.given import checked
 from bridge_algos.mdp import Dynamics
 from bridge_algos.occupancy import state_action_occupancies
 
 
+@checked
 def named_radii(truth: Dynamics, expert: ArrayLike, n: int, delta: float) -> dict[str, float]:
     """The radii for n demonstrations at level 1 - delta, rounded up to doubles where they are certified.
 

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bridge_algos.given import check_policy, checked
 from bridge_algos.mdp import Dynamics, FloatArray, IntArray
 from bridge_algos.shapes import PairCounts, Policy, TransitionCounts
 from bridge_algos.trajectories import Trajectories
-from bridge_theory.errors import InputError
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +42,7 @@ class StepCounts:
         return np.asarray(self.transitions.sum(axis=0))
 
 
+@checked
 def step_counts(demonstrations: Trajectories, n_states: int, n_actions: int) -> StepCounts:
     """The tables of given demonstrations.
 
@@ -58,6 +59,7 @@ def step_counts(demonstrations: Trajectories, n_states: int, n_actions: int) -> 
     return StepCounts(visits, transitions)
 
 
+@checked
 def sample_step_counts(
     dynamics: Dynamics, policy: Policy, n: int, size: int, rng: np.random.Generator
 ) -> list[StepCounts]:
@@ -68,8 +70,7 @@ def sample_step_counts(
         policy: (S,) the deterministic stationary expert.
         n: at least 1; up to 10^18, for the counts are 64-bit integers.
     """
-    if n < 1:
-        raise InputError(f"n is {n}, expected at least one demonstration.")
+    check_policy("policy", policy, dynamics.n_states, dynamics.n_actions)
     states = np.arange(dynamics.n_states)
     kernel = dynamics.transitions[states, policy]
     shape = (size, dynamics.horizon, dynamics.n_states, dynamics.n_actions)

@@ -10,6 +10,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
+from bridge_algos.given import checked
 from bridge_algos.shapes import Kernel, TransitionCounts
 from bridge_algos.trajectories import Trajectories
 from bridge_theory.errors import InputError
@@ -17,6 +18,7 @@ from bridge_theory.errors import InputError
 EmptyRow = Literal["self_loop", "uniform"]
 
 
+@checked
 def transition_counts(trajectories: Trajectories, n_states: int, n_actions: int) -> TransitionCounts:
     """N(s, a, s') over the H - 1 transitions of each trajectory, (S, A, S)."""
     trajectories.checked(n_states, n_actions)
@@ -31,6 +33,7 @@ def add_transitions(counts: TransitionCounts, trajectories: Trajectories) -> Non
     np.add.at(counts, (s[:, :-1], a[:, :-1], s[:, 1:]), 1)
 
 
+@checked
 def estimate_transitions(counts: TransitionCounts, empty_row: EmptyRow = "self_loop") -> Kernel:
     r"""Maximum-likelihood kernel :math:`\hat P(s'|s,a) = N(s,a,s') / N(s,a)` (eq:trans_count_est).
 

@@ -18,6 +18,7 @@ from typing import Literal
 import numpy as np
 
 import bridge_theory as theory
+from bridge_algos.given import checked
 from bridge_algos.mdp import Dynamics, FloatArray, IntArray
 from bridge_algos.occupancy import total_occupancies
 from bridge_algos.online.cholesky import inverse_root, log_det
@@ -78,6 +79,7 @@ class Confidence:
     needs_error: bool = False
 
 
+@checked
 def fixed(gamma: float, bonus_multiplier: float, n_states: int, n_actions: int, horizon: int, lam: float) -> Confidence:
     r"""Hand-set numbers: gamma_t constant, bonus :math:`c \min(\log SA, \sqrt{\log(SA) / N})` a step, c the multiplier.
 
@@ -95,6 +97,7 @@ def fixed(gamma: float, bonus_multiplier: float, n_states: int, n_actions: int, 
     return Confidence("fixed", lambda _: float(gamma), step_bonus, horizon, np.inf, "expected", lam)
 
 
+@checked
 def stated(
     embedding_bound: float,
     weight_bound: float,
@@ -171,6 +174,7 @@ def _positive(probability: Bound, **parameters: float) -> float:
     return value
 
 
+@checked
 def repaired(
     embedding_bound: float,
     weight_bound: float,

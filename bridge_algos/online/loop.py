@@ -11,12 +11,13 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Any, Protocol, get_args
 
 import numpy as np
 
 from bridge_algos.embeddings import Embedding, SampledEmbedding, expected_features, sampled_features
 from bridge_algos.evaluation import expected_returns, rounding_allowance
+from bridge_algos.given import check_fields, checked
 from bridge_algos.mdp import Dynamics, FloatArray, IntArray, TabularMDP
 from bridge_algos.offline.transitions import add_transitions, estimate_transitions
 from bridge_algos.online.confidence import Confidence, RoundState, pair_visits
@@ -128,7 +129,7 @@ class Learner:
 
     Args:
         name: bridge, bridge-known or pbrl.
-        policies: (N, S) candidate policies: the offline set, or PbRL's search space.
+        policies: (N, S) candidate policies, all different: the offline set, or PbRL's search space.
         counts: (S, A, S) transition counts to start from; None where the dynamics are known.
         confidence: multiplier gamma_t, bonuses and data matrix; see :mod:`bridge_algos.online.confidence`.
         pair_rule: how the pair is chosen.
@@ -159,10 +160,19 @@ class Learner:
     until_decided: bool = False
 
     def __post_init__(self) -> None:
+        check_fields(self)
+        if self.pair_rule not in get_args(PairRule):
+            raise InputError(f"pair_rule is {self.pair_rule!r}, expected one of {', '.join(get_args(PairRule))}.")
         if self.fit not in FITS:
             raise InputError(f"fit is {self.fit!r}, expected one of {', '.join(FITS)}.")
         if self.policies.ndim != 2 or not len(self.policies):
             raise InputError(f"policies has shape {self.policies.shape}, expected (N, S) with at least one policy.")
+        distinct = len(np.unique(self.policies, axis=0))
+        if distinct < len(self.policies):  # else a policy could be compared with itself
+            raise InputError(
+                f"policies holds {len(self.policies)} rows but {distinct} different policies, expected each once; pass "
+                "numpy.unique(policies, axis=0)."
+            )
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,6 +205,7 @@ RECORDED = (
 """Names of the per-round records, in this order in every result."""
 
 
+@checked
 def run_online(
     problem: Problem,
     learner: Learner,

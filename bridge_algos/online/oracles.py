@@ -15,6 +15,7 @@ import numpy as np
 from scipy.special import expit
 
 from bridge_algos.embeddings import Embedding, SampledEmbedding
+from bridge_algos.given import check_fields
 from bridge_algos.mdp import FloatArray
 from bridge_algos.trajectories import Trajectories
 from bridge_theory.errors import InputError
@@ -33,6 +34,13 @@ class BradleyTerryOracle:
     embedding: Embedding | SampledEmbedding
     w_star: FloatArray
     breaks: str = "nothing"
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        if len(self.w_star) != self.embedding.dimension:
+            raise InputError(
+                f"w_star has {len(self.w_star)} entries, expected the embedding's {self.embedding.dimension}."
+            )
 
     def __call__(self, first: Trajectories, second: Trajectories, rng: np.random.Generator) -> FloatArray:
         difference = self.embedding.of_trajectories(first) - self.embedding.of_trajectories(second)
@@ -59,16 +67,17 @@ class ReturnOracle:
     myopia: float = 1.0
 
     def __post_init__(self) -> None:
-        expectations = (
-            ("rationality", self.rationality, self.rationality > 0, "a positive number or infinity"),
-            ("mistakes", self.mistakes, 0 <= self.mistakes <= 1, "a probability"),
-            ("skip_below", self.skip_below, not np.isnan(self.skip_below), "a number"),
-            ("equal_within", self.equal_within, self.equal_within >= 0, "a number of at least 0"),
-            ("myopia", self.myopia, 0 < self.myopia <= 1, "a discount in (0, 1]"),
+        expectations: tuple[tuple[str, float, Callable[[float], bool], str], ...] = (
+            ("rationality", self.rationality, lambda x: x > 0, "a positive number or infinity"),
+            ("mistakes", self.mistakes, lambda x: 0 <= x <= 1, "a probability"),
+            ("skip_below", self.skip_below, lambda x: x == x, "a number"),
+            ("equal_within", self.equal_within, lambda x: x >= 0, "a number of at least 0"),
+            ("myopia", self.myopia, lambda x: 0 < x <= 1, "a discount in (0, 1]"),
         )
-        for name, value, valid, expected in expectations:
-            if not valid:
-                raise InputError(f"the oracle's {name} is {value}, expected {expected}.")
+        for name, value, holds, expected in expectations:
+            real = isinstance(value, int | float | np.number) and not isinstance(value, bool | np.complexfloating)
+            if not real or not holds(value):
+                raise InputError(f"the oracle's {name} is {value!r}, expected {expected}.")
 
     @property
     def breaks(self) -> str:

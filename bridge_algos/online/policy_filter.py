@@ -91,9 +91,10 @@ def first_best(values: PerPolicy) -> int:
 
 
 def widest_pair(z: Features, gamma: float, bonus: PerPolicy, scores: PerPolicy | None = None) -> tuple[int, int]:
-    r"""The pair (i, j) maximising :math:`\gamma \|z_i - z_j\| + b_i + b_j` (algo:main line 7), to rounding.
+    r"""The pair i != j maximising :math:`\gamma \|z_i - z_j\| + b_i + b_j` (algo:main line 7), to rounding.
 
-    With scores s the objective is :math:`s_i - s_j` more. A triangle inequality through the mean bounds each pair by
+    A policy is no partner of itself, which the paper's maximum allows; (0, 0) only where there is one policy. With
+    scores s the objective is :math:`s_i - s_j` more. A triangle inequality through the mean bounds each pair by
     u_i + v_j with u = gamma ||z - mean|| + b + s and v likewise with -s; tiles of the orders by falling u and v are
     skipped once that bound cannot beat the best pair found. Values that agree to rounding count as equal, and the first
     in these orders wins.
@@ -103,6 +104,7 @@ def widest_pair(z: Features, gamma: float, bonus: PerPolicy, scores: PerPolicy |
     centred = 0.0 if scores is None else scores - scores.mean()
     ahead, behind = bonus + centred, bonus - centred
     reach = gamma * np.sqrt(squares)
+    noise = 16 * EPSILON * (z.shape[1] + 4) * float(squares.max())  # of squared distances: below it they are equal
     slack = TIE * (1 + float(np.maximum(reach + ahead, reach + behind).max()))
     firsts, u = _falling(reach + ahead, slack)
     seconds, v = (firsts, u) if scores is None else _falling(reach + behind, slack)
@@ -116,7 +118,8 @@ def widest_pair(z: Features, gamma: float, bonus: PerPolicy, scores: PerPolicy |
             if v[start] + u[other] + 3 * slack < best:
                 break
             squared = squares[rows, None] + squares[columns] - 2 * (away[rows] @ away[columns].T)
-            values = gamma * np.sqrt(np.maximum(squared, 0)) + behind[rows, None] + ahead[columns]
+            values = gamma * np.sqrt(np.where(squared > noise, squared, 0.0)) + behind[rows, None] + ahead[columns]
+            values[rows[:, None] == columns] = -np.inf
             largest = float(values.max())
             if largest > best + slack:
                 i, j = divmod(int((values >= largest - slack).argmax()), len(columns))

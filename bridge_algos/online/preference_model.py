@@ -12,6 +12,7 @@ from math import sqrt
 
 import numpy as np
 
+from bridge_algos.given import checked
 from bridge_algos.mdp import FloatArray
 from bridge_algos.online.cholesky import inverse_root, solve
 from bridge_algos.online.oracles import sigmoid
@@ -23,6 +24,7 @@ GRADIENT_TOLERANCE = 1e-10
 """Newton stops when the gradient is this small relative to its largest possible size."""
 
 
+@checked
 def fit_exact(x: Comparisons, outcomes: Outcomes, lam: float, start: Weights) -> Weights:
     """The unique minimiser of the regularised logistic loss, by damped Newton.
 
@@ -64,6 +66,7 @@ def fit_exact(x: Comparisons, outcomes: Outcomes, lam: float, start: Weights) ->
     return w
 
 
+@checked
 def fit_adam(
     x: Comparisons, outcomes: Outcomes, lam: float, start: Weights, steps: int = 10, rate: float = 0.01
 ) -> Weights:
@@ -82,6 +85,7 @@ def fit_adam(
     return w
 
 
+@checked
 def project(w: Weights, x: Comparisons, lam: float, matrix: DataMatrix, radius: float) -> Weights:
     r"""A point of the W-ball that minimises :math:`\|g(v) - g(w)\|_{V^{-1}}` locally (eq:constr).
 
@@ -124,6 +128,7 @@ def project(w: Weights, x: Comparisons, lam: float, matrix: DataMatrix, radius: 
     return v
 
 
+@checked
 def projection_error(v: Weights, x: Comparisons, outcomes: Outcomes, lam: float, matrix: DataMatrix) -> float:
     r"""The solver error :math:`e_t(v) = \|g(v) - \sum_l o_l x_l\|_{V^{-1}}` of audit R1 (0 at the exact optimum)."""
     return float(np.linalg.norm(inverse_root(matrix) @ (_g(v, x, lam) - x.T @ outcomes)))

@@ -73,12 +73,14 @@ class RunConfig(Configuration):
         empty_row: what the count estimate does without data.
         radius: of the offline set, a number or one of ``RADII``.
         candidates: ``"exact"`` enumerates the offline set, or samples ``candidate_limit`` policies from it when it is
-            larger; ``"rejection"`` keeps those of ``proposals`` random policies that lie in it (the paper's way).
+            larger, by a Gibbs chain where it cannot be listed, the clone among them; ``"rejection"`` keeps those of
+            ``proposals`` random policies that lie in it (the paper's way), and the clone where these are few.
         search_size: how many policies PbRL searches when there are too many to take all; at most half of them are
             lent from the offline set, the others are random.
         embedding: name of the embedding, one of :func:`bridge_algos.embeddings.make_embedding` or ``"return"``.
         rounds, comparisons: T, and K trajectory pairs compared in a round.
-        pair_rule: see :func:`bridge_algos.online.pair_rules.choose_pair`.
+        pair_rule: see :func:`bridge_algos.online.pair_rules.choose_pair`; unlike the paper's, no rule compares a policy
+            with itself while another one is left.
         confidence: ``"fixed"`` (then ``gamma`` and ``bonus_multiplier``), ``"stated"`` or ``"repaired"``.
         oracle: ``"returns"`` with ``oracle_options`` of :class:`ReturnOracle`, or ``"bradley-terry"``.
         weight_bound: W; None chooses W = 1 / B, which makes utilities differ by at most 2.

@@ -28,8 +28,9 @@ UNITS = {
     "seconds": "s",
 }
 
-FORMAT = 2
-"""Changes whenever a stored number gets another meaning."""
+FORMAT = 3
+"""Changes whenever a stored number gets another meaning: since 3 no policy is compared with itself while another one is
+left."""
 
 Records = dict[str, dict[str, FloatArray]]
 Scalars = dict[str, tuple[float, str]]

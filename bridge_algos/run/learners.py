@@ -11,7 +11,7 @@ from bridge_algos.offline.policy_set import PolicySet
 from bridge_algos.offline.transitions import estimate_transitions
 from bridge_algos.online.confidence import Confidence, fixed, repaired, stated
 from bridge_algos.online.loop import Learner
-from bridge_algos.policies import all_policies, random_policies
+from bridge_algos.run.candidates import Candidates, offline_candidates, search_space
 from bridge_algos.run.config import RunConfig
 from bridge_algos.run.streams import stream
 from bridge_algos.run.world import World
@@ -23,8 +23,8 @@ WORK_LIMIT = 1e12
 
 def make_learner(
     name: str, config: RunConfig, world: World, offline: PolicySet, counts: IntArray, seed: int
-) -> Learner:
-    """One algorithm of a run.
+) -> tuple[Learner, Candidates]:
+    """One algorithm of a run, and how the policies it searches were found.
 
     Args:
         name: bridge, bridge-known or pbrl.
@@ -37,14 +37,17 @@ def make_learner(
     known = name == "bridge-known"
     # the version space needs no dynamics: it is the same set whether they are known or not
     ball = PolicySet(mdp.dynamics, offline.center, offline.radius) if known and config.radius != "zero" else offline
-    policies = _candidates(config, ball, stream(seed, "candidates"))
+    if config.candidates == "rejection":
+        _afford("proposals", config.proposals, mdp.horizon * mdp.n_states**2)
     if name == "pbrl":
-        policies = _search_space(config, policies, mdp.n_states, mdp.n_actions, stream(seed, "search"))
+        found = search_space(config, ball, stream(seed, "search"), stream(seed, "candidates"))
+    else:
+        found = offline_candidates(config, ball, stream(seed, "candidates"))
     limit = "candidate_limit" if config.candidates == "exact" else "search_size"
-    _afford(limit, len(policies), mdp.horizon * mdp.n_states**2 * mdp.n_actions)
-    return Learner(
+    _afford(limit, len(found.policies), mdp.horizon * mdp.n_states**2 * mdp.n_actions)
+    learner = Learner(
         name=name,
-        policies=policies,
+        policies=found.policies,
         counts=None if known else np.zeros_like(counts) if name == "pbrl" else counts,
         confidence=_confidence(config, world, known),
         pair_rule=config.pair_rule,
@@ -56,6 +59,7 @@ def make_learner(
         rollouts=config.rollouts,
         estimate=transition_fit(config, stream(seed, "network")),
     )
+    return learner, found
 
 
 def transition_fit(config: RunConfig, rng: np.random.Generator) -> Callable[[IntArray], FloatArray]:
@@ -67,19 +71,6 @@ def transition_fit(config: RunConfig, rng: np.random.Generator) -> Callable[[Int
     return lambda counts: fit_transition_mlp(counts, rng)
 
 
-def _candidates(config: RunConfig, ball: PolicySet, rng: np.random.Generator) -> IntArray:
-    """Candidates from the offline set, in random order, so that the order of policies breaks no tie."""
-    dynamics = ball.dynamics
-    if config.candidates == "rejection":
-        _afford("proposals", config.proposals, dynamics.horizon * dynamics.n_states**2)
-        policies = ball.rejection_sample(config.proposals, rng)
-    elif ball.count() <= config.candidate_limit:
-        policies = ball.enumerate(config.candidate_limit)
-    else:
-        policies = ball.sample(config.candidate_limit, rng)
-    return rng.permutation(policies)
-
-
 def _afford(entry: str, policies: int, work_per_policy: int) -> None:
     """Refuse a size with which one step of the run would take many minutes."""
     if policies * work_per_policy > WORK_LIMIT:
@@ -88,22 +79,6 @@ def _afford(entry: str, policies: int, work_per_policy: int) -> None:
             f"package does in one step ({WORK_LIMIT:.0e}); set {entry} to at most "
             f"{int(WORK_LIMIT // work_per_policy)}, or shorten the horizon."
         )
-
-
-def _search_space(
-    config: RunConfig, ball: IntArray, n_states: int, n_actions: int, rng: np.random.Generator
-) -> IntArray:
-    """PbRL's search space: all policies, or ``search_size`` of which at most half come from the offline set.
-
-    The paper lends PbRL the offline candidates where it cannot search everything; half is the most it gets here, so
-    that it never becomes BRIDGE.
-    """
-    if n_actions**n_states <= config.candidate_limit:
-        return rng.permutation(all_policies(n_states, n_actions))
-    lent = ball[: config.search_size // 2]
-    return rng.permutation(
-        np.concatenate([lent, random_policies(config.search_size - len(lent), n_states, n_actions, rng)])
-    )
 
 
 def _confidence(config: RunConfig, world: World, known: bool) -> Confidence:

@@ -10,6 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bridge_algos.online.loop import Learner
+from bridge_algos.run.candidates import Candidates, sentence
 from bridge_algos.run.config import RunConfig
 from bridge_algos.run.log_file import FORMAT, RunLog
 from bridge_algos.run.offline import offline_stage
@@ -22,9 +23,11 @@ def logged_seed(config: RunConfig, world: World, seed: int) -> tuple[xr.Dataset,
     """Run one seed and keep its log; the data set is that of :func:`bridge_algos.run.seed.run_seed`."""
     learners: dict[str, Learner] = {}
     rounds: dict[str, list[dict[str, Any]]] = {}
+    search: dict[str, str] = {}
 
-    def keep(learner: Learner, entry: dict[str, Any]) -> None:
+    def keep(learner: Learner, found: Candidates, entry: dict[str, Any]) -> None:
         learners[learner.name] = learner
+        search[learner.name] = sentence(found)
         rounds.setdefault(learner.name, []).append(entry)
 
     dataset = run_seed(config, world, seed, keep)
@@ -44,6 +47,7 @@ def logged_seed(config: RunConfig, world: World, seed: int) -> tuple[xr.Dataset,
         "horizon": world.mdp.horizon,
         "weight_bound": world.weight_bound,
         "algorithms": list(learners),
+        "search": search,
         "versions": package_versions(),
     }
     return dataset, RunLog(header, arrays)

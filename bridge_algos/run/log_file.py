@@ -1,9 +1,10 @@
 """The log of a seed: what an independent checker needs to recompute every round, beside what the run claims of it.
 
 One ``.npz`` file a seed, of plain arrays (no pickle), written whole or not at all. Shared entries: ``header`` (JSON:
-configuration, seed, horizon, weight bound W, algorithms, versions), ``digest`` (SHA-256 of everything else),
-``transitions`` (S, A, S), ``initial`` (S,), ``demonstrations/states`` and ``demonstrations/actions`` (n, H) as the
-learners saw them. For each algorithm NAME but the clone, over T rounds of K comparisons and d features:
+configuration, seed, horizon, weight bound W, algorithms, versions, and in words how each one's policies were found),
+``digest`` (SHA-256 of everything else), ``transitions`` (S, A, S), ``initial`` (S,), ``demonstrations/states`` and
+``demonstrations/actions`` (n, H) as the learners saw them. For each algorithm NAME but the clone, over T rounds of K
+comparisons and d features:
 
 =====================  ==================  ====================================================================
 entry                  shape               meaning
@@ -39,7 +40,9 @@ from bridge_algos.files import atomic_write
 from bridge_algos.npz import read_arrays
 from bridge_theory.errors import InputError
 
-FORMAT = "bridge-rl log 1"
+FORMAT = "bridge-rl log 2"
+"""Changes whenever an entry or a rule of a run gets another meaning: since 2 no policy is compared with itself while
+another one is left."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,6 +10,7 @@ from pathlib import Path
 import xarray as xr
 
 from bridge_algos.continuous.config import ContinuousConfig
+from bridge_algos.given import checked
 from bridge_algos.run.config import RunConfig
 from bridge_algos.run.configuration import Configuration
 from bridge_algos.run.log import logged_seed
@@ -21,6 +22,7 @@ from bridge_algos.run.world import World, build_oracle, build_world, return_orac
 from bridge_theory.errors import InputError
 
 
+@checked
 def run(
     config: Configuration,
     directory: Path,
@@ -42,8 +44,6 @@ def run(
         These seeds as one data set, whatever others the directory holds; see
         :func:`bridge_algos.run.store.load_run`.
     """
-    if seeds < 1:
-        raise InputError(f"seeds is {seeds}, expected at least 1.")
     check_jobs(jobs)
     if isinstance(config, ContinuousConfig):
         from bridge_algos.continuous.offline import resolved

@@ -12,9 +12,11 @@ import xarray as xr
 from threadpoolctl import threadpool_limits
 
 from bridge_algos.evaluation import expected_return, expected_returns
+from bridge_algos.given import checked
 from bridge_algos.hellinger import squared_hellinger
 from bridge_algos.offline.policy_set import PolicySet
 from bridge_algos.online.loop import Learner, OnlineProblem, run_online
+from bridge_algos.run.candidates import Candidates, recorded
 from bridge_algos.run.config import RunConfig
 from bridge_algos.run.dataset import constant_record, seed_dataset
 from bridge_algos.run.learners import make_learner
@@ -22,16 +24,17 @@ from bridge_algos.run.offline import offline_stage
 from bridge_algos.run.streams import stream
 from bridge_algos.run.versions import package_versions
 from bridge_algos.run.world import World, build_oracle, caveats
-from bridge_theory.errors import InputError
 
-Log = Callable[[Learner, dict[str, Any]], None]
+Log = Callable[[Learner, Candidates, dict[str, Any]], None]
 
 
+@checked
 def run_seed(config: RunConfig, world: World, seed: int, log: Log | None = None) -> xr.Dataset:
     """All algorithms of a configuration on one seed.
 
     Args:
-        log: receives each learner's rounds as :func:`bridge_algos.online.loop.run_online` records them.
+        log: receives each learner and its candidates with its rounds, as
+            :func:`bridge_algos.online.loop.run_online` records them.
 
     Returns:
         A data set with one variable per name in ``RECORDED`` over (algorithm, round), the offline stage's numbers as
@@ -48,16 +51,17 @@ def _run_seed(config: RunConfig, world: World, seed: int, log: Log | None) -> xr
     problem = OnlineProblem(
         mdp, world.embedding, build_oracle(config, world), world.optimum, world.expert.expected_return, world.w_star
     )
-    records, best = {}, {}
+    records, best, search = {}, {}, {}
     for name in config.algorithms:
         if name == "bc":
             value = expected_return(mdp, clone)
             gaps = world.expert.expected_return - value, world.expert.best_stationary.value - value
             records[name] = constant_record(config.rounds, *gaps)
             best[name] = records[name]["suboptimality"][0]
+            search[name] = Candidates(clone[None], "bc")
             continue
-        learner = make_learner(name, config, world, stage.offline_set, stage.transitions, seed)
-        keep = None if log is None else partial(log, learner)
+        learner, search[name] = make_learner(name, config, world, stage.offline_set, stage.transitions, seed)
+        keep = None if log is None else partial(log, learner, search[name])
         records[name] = run_online(problem, learner, config.rounds, stream(seed, name), keep)
         best[name] = world.expert.expected_return - expected_returns(mdp, learner.policies).max()
     distance = _expert_distance(world, PolicySet(stage.estimate, clone, radius))
@@ -85,7 +89,8 @@ def _run_seed(config: RunConfig, world: World, seed: int, log: Log | None) -> xr
         "utility_scale": world.utility_scale,
     }
     return seed_dataset(config, seed, records, scalars, attributes).assign(
-        best_candidate=("algorithm", list(best.values()), {"units": "reward per trajectory below the expert"})
+        best_candidate=("algorithm", list(best.values()), {"units": "reward per trajectory below the expert"}),
+        **recorded(search),
     )
 
 
@@ -99,7 +104,10 @@ def _expert_distance(world: World, offline: PolicySet) -> float:
 
 
 def _count(offline: PolicySet) -> float:
+    """How many policies the set has: NaN where it cannot be listed, infinity beyond every double."""
+    if not offline.is_listed:
+        return float("nan")
     try:
         return float(offline.count())
-    except (InputError, OverflowError):
-        return float("nan")
+    except OverflowError:
+        return float("inf")

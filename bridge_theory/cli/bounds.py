@@ -21,7 +21,7 @@ from bridge_theory.parameters import show
 from bridge_theory.value import BoundValue
 
 _HEADER = ("bound", "value", "enclosure", "may fail with", "trivial", "vacuous", "status", "source")
-_GROUPS = ("offline", "online", "regret")
+_GROUPS = ("offline", "online", "regret", "answers")
 
 
 def main(argv: list[str], data: Sequence[BoundValue] = ()) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bridge_algos.run.candidates import EXHAUSTIVE
 from bridge_algos.run.config import RunConfig
 from bridge_algos.run.world import World, caveats
 from experiments.compare.subject import Subject
@@ -70,21 +71,9 @@ def of_the_run(config: RunConfig, world: World) -> list[str]:
 
 def _of_the_search(subject: Subject) -> list[str]:
     """Why the policies searched may not be the whole of an offline set that contains the best stationary policy."""
-    config, found = subject.config, []
-    if not _whole(subject):
-        found.append("only a sample of the offline set was searched, or it is not known to be whole")
-    if config.radius == "stated-known" and not subject.known:
+    found = []
+    if not bool(subject.results.search_way.isin(EXHAUSTIVE).all()):
+        found.append("only a sample of the offline set was searched")
+    if subject.config.radius == "stated-known" and not subject.known:
         found.append("the offline radius 'stated-known' is about known dynamics")
     return found
-
-
-def _whole(subject: Subject) -> bool:
-    """Whether the offline set was certainly searched as a whole in every seed."""
-    config, mdp = subject.config, subject.world.mdp
-    if config.candidates != "exact":
-        return False
-    if mdp.n_actions**mdp.n_states <= config.candidate_limit:
-        return True
-    if subject.known and config.radius != "zero":
-        return False  # the count recorded is that of the set under the estimated dynamics
-    return bool((subject.results["offline_set_count"] <= config.candidate_limit).all())  # not so where nobody counted

@@ -59,7 +59,8 @@ class Row:
         verdict: see :func:`compare`.
         exceeded: seeds whose regret is above the value.
         chance: lower end of the 95 % confidence sequence for the probability that a run's regret is above the value.
-        ledger: label of the ledger's claim that the statement is false, "" where there is none.
+        ledger: label of the ledger's claim that the statement is false, "" where there is none; None where the ledger
+            is not installed.
         proved: whether the statement is proved: one of the repaired theory, or held to be true by the ledger.
         violated_from: first round drawn from which on the violation is certified; None where it is not.
     """
@@ -70,7 +71,7 @@ class Row:
     verdict: Verdict
     exceeded: int
     chance: float
-    ledger: str
+    ledger: str | None
     proved: bool
     violated_from: int | None
 

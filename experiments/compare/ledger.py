@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cache
 
 from bridge_algos.envs.counterexamples import is_counterexample
 from bridge_algos.run.config import preset
 from experiments.compare.subject import Subject
 from proofs_checks.counterexample import evaluator, on_environment, violated
+
+_BY = {"cited": " given a cited theorem", "text": " by an argument in words"}
 
 
 @dataclass(frozen=True)
@@ -53,16 +56,40 @@ def exact_replay(subject: Subject) -> Replay | None:
     return None
 
 
-def refuted_label(source: str) -> str:
-    """The label under which the ledger holds the statement to be false; "" when it does not."""
-    from proofs_checks.ledger import claims
+def refuted_label(source: str) -> str | None:
+    """The label under which the ledger holds the statement to be false, "" when it does not.
 
-    return next((claim.label for claim in claims() if claim.label == source and claim.verdict == "false"), "")
+    None where the ledger's engines, the extra ``checks``, are not installed.
+    """
+    word = false_word(source)
+    return word if word is None else source if word else ""
+
+
+@cache
+def false_word(source: str) -> str | None:
+    """How the ledger calls a statement that it holds to be false; "" for any other, also if a part of it is false.
+
+    A refutation by an instance or a machine-run proof is "false" alone; otherwise its weakest link is named. None where
+    the ledger's engines, the extra ``checks``, are not installed.
+
+    >>> false_word("thm:main_known"), false_word("local:kappa")
+    ('false', '')
+    """
+    from proofs_checks.ledger import claims, missing_engines
+
+    if missing_engines():
+        return None
+    from proofs_checks.strength import weakest
+
+    whole = next((claim for claim in claims() if claim.label == source and not claim.part), None)
+    return f"false{_BY.get(str(weakest(whole)), '')}" if whole is not None and whole.verdict == "false" else ""
 
 
 def holds(source: str) -> bool:
-    """Whether the ledger holds every claim under a label to be true."""
-    from proofs_checks.ledger import claims
+    """Whether the ledger holds every claim under a label to be true; no, where its engines are not installed."""
+    from proofs_checks.ledger import claims, missing_engines
 
+    if missing_engines():
+        return False
     verdicts = [claim.verdict for claim in claims() if claim.label == source]
     return bool(verdicts) and all(verdict.startswith("true") for verdict in verdicts)

@@ -7,6 +7,7 @@ from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
 
 from experiments.compare.comparison import Comparison, Row
+from experiments.compare.ledger import false_word
 from experiments.compare.theory_curves import Curve
 
 _UNDECIDED = ("informative", "vacuous")
@@ -32,7 +33,7 @@ def table(comparison: Comparison) -> str:
         curve = row.curve
         verdict = "the yardstick" if curve.kind == "trivial" else MEANINGS[row.verdict]
         if not row.proved and row.verdict in _UNDECIDED:
-            verdict += ", false in general" if row.ledger else ", not proved"
+            verdict += f", {false_word(row.ledger)} in general" if row.ledger else ", not proved"
         if curve.missing and row.verdict in _UNDECIDED:
             verdict += ", not about this run"
         value = _number(row.value) if curve.kind == "rate" else _bound(row.value)
@@ -68,6 +69,11 @@ def words(comparison: Comparison) -> str:
     sentences += [sentence for row in comparison.rows if (sentence := _row_sentence(comparison, row))]
     sentences += _for_scale([row for row in comparison.rows if row.curve.missing and row.verdict in _UNDECIDED])
     sentences += [f"'{item.label}' is left out: {item.reason.rstrip('.')}." for item in comparison.left_out]
+    if any(row.ledger is None for row in comparison.rows):
+        sentences.append(
+            "Which of the stated bounds are false in general is not told here: the ledger needs pip install "
+            "'bridge-rl[checks]'."
+        )
     shown = ", ".join(f"{name} = {value}" for name, value in comparison.setting.items())
     sentences.append(f"Settings: {shown}; each event of a bound may fail with probability delta.")
     return " ".join(sentences)
@@ -120,7 +126,7 @@ def _row_sentence(comparison: Comparison, row: Row) -> str:
             f"{_allowed(row)} allows that, or there are too few seeds to tell.{_ledger(row)}"
         )
     if row.curve.kind in ("stated", "stated-sums") and row.ledger:
-        return f"{label} is not violated here, but false in general.{_ledger(row)}"
+        return f"{label} is not violated here, but {false_word(row.ledger)} in general.{_ledger(row)}"
     return ""
 
 

@@ -18,7 +18,7 @@ from experiments.compare.applicability import of_the_run
 from experiments.report.ledger import refuted, row_anchor
 from experiments.report.text import table_html
 
-_GROUPS = {"offline": "Offline", "online": "Online", "regret": "Regret, in utility"}
+_GROUPS = {"offline": "Offline", "online": "Online", "regret": "Regret, in utility", "answers": "Certified answers"}
 _OWN = (
     '<p class="quiet">Each bound has assumptions of its own, listed by <code>bridge-rl bounds --explain LABEL</code>; '
     "those from the version space, for example, are about an offline set of radius zero.</p>"
@@ -63,7 +63,8 @@ def _folded(summary: str, rows: list[Row]) -> str:
 def _cells(row: Row) -> tuple[str, ...]:
     formula = row.formula
     false = refuted(formula.source)
-    status = f'{formula.status}, <b class="problem">false</b>' if false else formula.status
+    status = f'{formula.status}, <b class="problem">{false}</b>' if false else formula.status
+    doubtful = bool(false) or (false is None and formula.status == "stated")
     link = row_anchor(formula.source)
     source = f"<code>{escape(formula.source)}</code>"
     name = f"{escape(formula.title)}<br>" + (f'<a href="#{link}">{source}</a>' if link else source)
@@ -74,7 +75,7 @@ def _cells(row: Row) -> tuple[str, ...]:
     value = row.value
     trivial = "–" if value.trivial is None else value.trivial.at_most
     undecided = "–" if value.trivial is None else "not decided"
-    yes = "claims to" if false else '<b class="says">yes</b>'
+    yes = "claims to" if doubtful else '<b class="says">yes</b>'
     no = '<span class="empty">no</span>'
     says = {None: undecided, True: no, False: yes}[value.vacuous] if value.certified else no
     shown = f'<span title="{escape(str(value.enclosure))}">{value.shown}</span>'

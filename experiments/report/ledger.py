@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import re
 from collections import Counter
 from functools import cache
@@ -10,6 +9,7 @@ from html import escape
 from typing import Any
 
 from experiments.report.text import table_html
+from proofs_checks.ledger import missing_engines
 
 _HEADER = ("statement", "verdict", "why", "repaired by")
 ANCHOR = "ledger"
@@ -18,7 +18,7 @@ ANCHOR = "ledger"
 @cache
 def available() -> bool:
     """Whether the engines that the ledger loads are installed."""
-    return all(importlib.util.find_spec(name) is not None for name in ("z3", "hypothesis", "latex2mathml"))
+    return not missing_engines()
 
 
 def row_anchor(source: str) -> str | None:
@@ -30,11 +30,14 @@ def row_anchor(source: str) -> str | None:
     return f"{ANCHOR}-{anchor(source)}" if source in _labels() else None
 
 
-def refuted(source: str) -> bool:
-    """Whether the ledger holds a label's statement to be false."""
-    from experiments.compare.ledger import refuted_label
+def refuted(source: str) -> str | None:
+    """How the ledger calls a label's statement that it holds to be false; "" for any other.
 
-    return available() and bool(refuted_label(source))
+    None where its engines are not installed.
+    """
+    from experiments.compare.ledger import false_word
+
+    return false_word(source)
 
 
 def link_labels(html: str) -> str:
@@ -63,14 +66,18 @@ def ledger_html(check: str | None, jobs: int) -> str:
     from proofs_checks.claim import MEANING
     from proofs_checks.html.entry import badge
     from proofs_checks.ledger import claims
+    from proofs_checks.strength import weakest
+    from proofs_checks.terminal import verdict_lines
 
     every = claims()
     counts = Counter(claim.verdict for claim in every)
+    lines = verdict_lines((claim.verdict, weakest(claim)) for claim in every)
     verdicts = "".join(
         f'<div class="count"><b>{counts[verdict]}</b>{badge(verdict, meaning)}</div>'
         for verdict, meaning in MEANING.items()
         if counts[verdict]
     )
+    summary = f'<p class="quiet">With the weakest link of each: {escape("; ".join(lines))}.</p>'
     rows = _rows(every)
     state = _replayed(every, check, jobs) if check else (
         '<p class="quiet">Verdicts as recorded; <code>bridge-rl check</code> replays the evidence, and '
@@ -78,15 +85,16 @@ def ledger_html(check: str | None, jobs: int) -> str:
     )  # fmt: skip
     table = table_html(_HEADER, rows, "ledger")
     return (
-        f'<div class="counts">{verdicts}</div>{state}'
+        f'<div class="counts">{verdicts}</div>{summary}{state}'
         f'<details class="long"><summary>All {len(every)} statements</summary>{table}</details>'
     )
 
 
 def _rows(every: tuple[Any, ...]) -> list[tuple[str, str, str, str]]:
     from proofs_checks.claim import MEANING
-    from proofs_checks.html.entry import anchor, badge
+    from proofs_checks.html.entry import anchor, badge, weakest_badge
     from proofs_checks.html.prose import line
+    from proofs_checks.strength import weakest
 
     rows, seen = [], set()
     for claim in every:
@@ -96,7 +104,7 @@ def _rows(every: tuple[Any, ...]) -> list[tuple[str, str, str, str]]:
         rows.append(
             (
                 f"<span{mark}>{escape(claim.name)}</span><br><code>{escape(claim.key)}</code>",
-                badge(claim.verdict, MEANING[claim.verdict]),
+                badge(claim.verdict, MEANING[claim.verdict]) + weakest_badge(weakest(claim)),
                 line(claim.because),
                 repairs,
             )

@@ -16,8 +16,9 @@ import xarray as xr
 
 from bridge_algos.mdp import FloatArray
 from bridge_algos.run.config import preset
+from bridge_algos.run.interval import interval
 from bridge_algos.run.plots import STYLES, finish
-from bridge_algos.run.summary import Mean, mean_of, mean_over_seeds, verdict
+from bridge_algos.run.summary import Mean, lowest_regret, mean_of, mean_over_seeds, reading, verdict
 from bridge_algos.run.world import build_world
 from bridge_theory.bound import Bound
 from bridge_theory.cli.table import text_table
@@ -64,6 +65,8 @@ def regrets(cell: Cell) -> xr.Dataset:
     return xr.Dataset(
         {
             "greedy_regret": together.suboptimality.cumsum("round").assign_attrs(units),
+            "lowest_greedy_regret": ((), lowest_regret(together, "suboptimality"), {"units": "reward a round"}),
+            "lowest_pair_regret": ((), lowest_regret(together, "pseudo_regret"), {"units": "reward a round"}),
             "pair_regret": together.pseudo_regret.cumsum("round").assign_attrs(units),
             "comparisons": ((), cell["configuration"]["comparisons"]),
             "expert_return": ((), together.attrs["expert_return"], units),
@@ -186,14 +189,14 @@ def iso_regret(data: xr.Dataset, algorithm: str, target: float) -> tuple[FloatAr
     upper end. NaN where the largest n measured is not enough.
     """
     values = data.pair_regret.sel(algorithm=algorithm).transpose("seed", "n", "round").values
-    mean, half = mean_over_seeds(values)
+    mean, lower, upper = interval(values, low=data.lowest_pair_regret.min().item() * np.asarray(data["round"]))
     n = np.asarray(data.n, dtype=np.float64)
 
     def smallest(curve: FloatArray) -> FloatArray:
         enough = np.logical_and.accumulate((curve <= target)[::-1])[::-1]
         return np.where(enough.any(axis=0), n[enough.argmax(axis=0)], np.nan)
 
-    return smallest(mean - half), smallest(mean), smallest(mean + half)
+    return smallest(lower), smallest(mean), smallest(upper)
 
 
 def rounds_until(data: xr.Dataset, algorithm: str, share: float) -> FloatArray:
@@ -215,8 +218,8 @@ def words(data: xr.Dataset) -> str:
     lines = [
         f"{settings['environment']}, {preset_text(settings)}:",
         f"{_MEASURES[settings['measure']]} after T = {last} rounds of {data.comparisons.values[0]} comparisons, in "
-        f"reward (the expert returns {float(data.expert_return[0]):.2f} a round); mean ± 95 % half-width over "
-        f"{data.sizes['seed']} seeds",
+        f"reward (the expert returns {float(data.expert_return[0]):.2f} a round); "
+        f"{reading(data.sizes['seed'])}",
         text_table(
             ("n", *(STYLES[name]["label"] for name in algorithms)),
             [(str(n), *(str(_last(data, settings["measure"], name, n)) for name in algorithms)) for n in data.n.values],
@@ -300,7 +303,8 @@ def _pbrl(data: xr.Dataset) -> str:
 
 
 def _last(data: xr.Dataset, measure: str, algorithm: str, n: int) -> Mean:
-    return mean_of(data[measure].sel(algorithm=algorithm, n=n).isel(round=-1))
+    lowest = data.sizes["round"] * float(data[f"lowest_{measure}"].min())
+    return mean_of(data[measure].sel(algorithm=algorithm, n=n).isel(round=-1), low=lowest)
 
 
 def _lower(first: xr.DataArray, second: xr.DataArray, paired: bool = True) -> str:

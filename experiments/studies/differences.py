@@ -1,4 +1,4 @@
-r"""Why our StarMDP curves lie off the published ones: every setting that the paper leaves open, one at a time.
+r"""What moves our StarMDP curves: every setting that the paper leaves open, one at a time, beside the published runs.
 
 A variant changes what ``configs/published-differences.json`` says: entries of the configuration (``config``), of the
 learners (``learner``: lambda of the likelihood apart from that of the data matrix), of their confidence sets
@@ -8,9 +8,10 @@ learners (``learner``: lambda of the likelihood apart from that of the data matr
 (exactly, or from so many rollouts) and ``counted`` until one policy is left (no regret afterwards) say how the greedy
 policy is evaluated. The variants named "code" take what the paper leaves open from the authors' public code
 (github.com/pfriedric/bridge at 54a96a8, which was read, not run). None of this is an option of the package that is
-tuned here: the question is which difference moves which curve, and whether what is published can tell the settings
-apart. Each variant is read in three ways: as we record it (exact), estimated from 1000 rollouts and clipped at zero
-(``clipped``), and with the greedy policy measured before the round's answer (``before``).
+tuned here: the question is which difference moves which curve. Each variant is read in two ways: as we record it
+(``exact``), and with the greedy policy measured before the round's answer (``before``). The published regret is in a
+unit of its own and counts zero after a seed stops (:func:`experiments.published.published_unit`), so that no variant's
+regret is compared with it; the numbers of policies left have no unit, and are.
 """
 
 from __future__ import annotations
@@ -25,41 +26,31 @@ import numpy as np
 import xarray as xr
 
 from bridge_algos.embeddings import Embedding, expected_features, sampled_features
-from bridge_algos.envs.registry import make_mdp
 from bridge_algos.evaluation import expected_return, expected_returns
 from bridge_algos.mdp import FloatArray, IntArray, TabularMDP
 from bridge_algos.online.loop import OnlineProblem, run_online
 from bridge_algos.online.policy_filter import first_best
-from bridge_algos.policies import all_policies
 from bridge_algos.run.config import preset
 from bridge_algos.run.learners import make_learner
 from bridge_algos.run.offline import offline_stage
 from bridge_algos.run.streams import stream
 from bridge_algos.run.world import build_oracle, build_world
 from experiments.cells import Cell, run_cells
-from experiments.published import ALGORITHMS, clipped_mean, evaluation_noise
+from experiments.published import ALGORITHMS
 from experiments.studies.differences_report import figure, report
 
-READINGS = ("exact", "clipped", "before")
+READINGS = ("exact", "before")
 
 
 def compute(settings: dict[str, Any], directory: Path, jobs: int) -> xr.Dataset:
-    """Curves over (variant, algorithm, seed, round), and what conventions make of the expert's return."""
+    """Curves over (variant, algorithm, seed, round)."""
     cells = [
         {"variant": name, "changes": json.dumps(changes, sort_keys=True), "seeds": settings["seeds"]}
         for name, changes in settings["variants"].items()
         if settings["only"] is None or name in settings["only"]
     ]
     results = run_cells(play, cells, directory, jobs, "published-differences")
-    results = results.drop_vars("seeds").swap_dims(cell="variant")
-    config = preset("published", "starmdp")
-    conventions = expert_conventions(config.discount)
-    noise = evaluation_noise(make_mdp(config.environment))
-    return (
-        results.assign_attrs(evaluation_noise=noise)
-        .assign(expert_return=("convention", list(conventions.values()), {"units": "reward per trajectory"}))
-        .assign_coords(convention=list(conventions))
-    )
+    return results.drop_vars("seeds").swap_dims(cell="variant")
 
 
 def play(cell: Cell) -> xr.Dataset:
@@ -77,7 +68,7 @@ def play(cell: Cell) -> xr.Dataset:
         for i, name in enumerate(ALGORITHMS):
             if name in changes.get("without", []):
                 continue
-            learner = make_learner(name, config, world, stage.offline_set, stage.transitions, seed)
+            learner, _ = make_learner(name, config, world, stage.offline_set, stage.transitions, seed)
             confidence = replace(learner.confidence, **changes.get("confidence", {}))
             learner = replace(learner, confidence=confidence, **changes.get("learner", {}))
             if changes.get("features") == "real":
@@ -98,7 +89,6 @@ def play(cell: Cell) -> xr.Dataset:
             curves["exact"][i, seed] = found
             curves["before"][i, seed] = np.concatenate([losses[:1], found[:-1]])
             curves["set_size"][i, seed] = size
-    curves["clipped"] = clipped_mean(curves["exact"], evaluation_noise(mdp))
     return xr.Dataset(
         {name: (("algorithm", "seed", "round"), values) for name, values in curves.items()},
         coords={"algorithm": list(ALGORITHMS), "round": np.arange(1, config.rounds + 1)},
@@ -135,52 +125,6 @@ def _real(mdp: TabularMDP, counts: IntArray) -> FloatArray:
 def _departed(mdp: TabularMDP) -> TabularMDP:
     """The reward of the state departed from instead of that arrived at: H - 1 arrivals, and the start, are paid."""
     return replace(mdp, reward=np.repeat(mdp.reward[:, None], mdp.n_actions, axis=1))
-
-
-def expert_conventions(discount: float) -> dict[str, float]:
-    """The expert's return in the published environment, and in the paper's text, under conventions one might mean."""
-    values: dict[str, Any] = {}
-    environments = {"published": "starmdp", "text": "starmdp-text"}
-    for variant, other in zip(environments, reversed(environments), strict=True):
-        world = build_world(preset("published", "starmdp").but(environment=environments[variant]))
-        mdp, expert = world.mdp, world.expert.policy
-        rewards = _step_rewards(mdp, expert, 8 * mdp.horizon)
-        arrivals, h = rewards[1:], mdp.horizon
-        weights = discount ** np.arange(len(rewards))
-        policies = all_policies(mdp.n_states, mdp.n_actions)
-        values |= {
-            f"{variant}: as recorded here, H rewards on arrival": arrivals[:h].sum(),
-            f"{variant}: H - 1 rewards (no arrival after the last action)": arrivals[: h - 1].sum(),
-            f"{variant}: H + 1 rewards": arrivals[: h + 1].sum(),
-            f"{variant}: discounted by {discount} from the first reward": weights[:h] @ arrivals[:h],
-            f"{variant}: discounted by {discount}, without end": rewards[-1] / (1 - discount),
-            f"{variant}: mean reward of a step, long run": rewards[-1],
-            f"{variant}: uniform first state": _uniform_start(mdp, expert),
-            f"{variant}: rewards scaled to unit norm": arrivals[:h].sum() / np.linalg.norm(mdp.reward),
-            f"{variant}: rewards scaled to a maximum of 1": arrivals[:h].sum() / np.abs(mdp.reward).max(),
-            f"{variant}: above the mean of all deterministic policies": arrivals[:h].sum()
-            - expected_returns(mdp, policies).mean(),
-            f"{variant}: above the uniformly random policy": arrivals[:h].sum()
-            - expected_return(mdp, np.full((mdp.n_states, mdp.n_actions), 1 / mdp.n_actions)),
-        }
-        values[f"{variant}: its expert in the other environment"] = expected_return(
-            make_mdp(environments[other]), expert
-        )
-    return {name: float(value) for name, value in values.items()}
-
-
-def _step_rewards(mdp: TabularMDP, policy: Any, steps: int) -> FloatArray:
-    """Expected reward of the state at step 0, 1, ..., where step 0 is the start."""
-    kernel = mdp.transitions[np.arange(mdp.n_states), policy]
-    law, rewards = mdp.initial, []
-    for _ in range(steps + 1):
-        rewards.append(float(law @ mdp.reward))
-        law = law @ kernel
-    return np.array(rewards)
-
-
-def _uniform_start(mdp: TabularMDP, policy: Any) -> float:
-    return expected_return(replace(mdp, initial=np.full(mdp.n_states, 1 / mdp.n_states)), policy)
 
 
 def figures(data: xr.Dataset) -> dict[str, Any]:

@@ -10,8 +10,8 @@ import xarray as xr
 from scipy.stats import quantile_test
 
 from bridge_algos.mdp import FloatArray
+from bridge_algos.run.interval import interval
 from bridge_algos.run.plots import finish
-from bridge_algos.run.summary import mean_of
 from bridge_theory.cli.table import text_table
 from experiments.intervals import clopper_pearson
 
@@ -182,8 +182,8 @@ def _reading(data: xr.Dataset) -> str:
 
 
 def _share(here: xr.Dataset, key: str) -> str:
-    found = mean_of(100 * here.share.sel(rung=key).values)
-    return f"{found.mean:.3g} % ± {found.half_width:.2g}"
+    mean, lower, upper = interval(100 * here.share.sel(rung=key).values, low=0, high=100)
+    return f"{float(mean):.3g} % [{float(lower):.3g}, {float(upper):.3g}]"
 
 
 def _percent(happened: np.ndarray) -> str:

@@ -14,13 +14,14 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from bridge_algos.mdp import FloatArray
 from bridge_algos.run import plots
-from bridge_algos.run.summary import Mean, cumulative, mean_of, mean_over_seeds, share
+from bridge_algos.run.summary import cumulative, mean_of, share, spread_words
 from experiments.studies.mujoco import COMPARED, SEARCHES, TITLES, both_searches, configured, joined
 
 _PAIR = (
-    "they compare the greedy policy with a random one, as the paper says of all its runs, where this study and the "
-    "published run of figure 2 on Reacher compare the widest pair"
+    "they compare the greedy policy with a random one, as the paper says of all its runs and as the data of the "
+    "published run of figure 2 on Reacher show, where this study compares the widest pair"
 )
 DEPARTURES = {
     "radius": [_PAIR],
@@ -71,25 +72,21 @@ def _figure(data: xr.Dataset, search: str) -> Any:
     rounds = np.asarray(data["round"])
     shades = matplotlib.colormaps["viridis"](np.linspace(0, 0.85, len(labels)))
     for label, shade in zip(labels, shades, strict=True):
-        mean, half = mean_over_seeds(cumulative(data.sel(variation=label), "suboptimality", "bridge"))
         style = {"label": f"{settings['varied']} {label}", "color": tuple(shade)}
-        plots.draw_band(curves, rounds, mean, half, style)
+        plots.draw_seeds(curves, rounds, cumulative(data.sel(variation=label), "suboptimality", "bridge"), style)
     curves.set(xlabel="online round t", ylabel="cumulative regret (reward)", xlim=(rounds[0], rounds[-1]))
     curves.set_title("BRIDGE", fontsize=9)
     curves.axhline(0, **plots.EXPERT)
     positions = np.arange(len(labels))
     for offset, name in zip((-0.12, 0.0, 0.12), ("bridge", "pbrl", "bc"), strict=True):
-        means = [_final(data, label, name) for label in labels]
+        finals = np.stack([_finals(data, label, name) for label in labels], axis=1)
         style = {"label": plots.STYLES[name]["label"], "color": plots.STYLES[name]["color"]}
-        heights, halves = (np.array([getattr(m, part) for m in means]) for part in ("mean", "half_width"))
-        there = np.isfinite(heights)
-        errors = np.where(np.isfinite(halves), halves, 0)
+        there = np.isfinite(finals).all(axis=0)
         if there.sum() == 1 < len(labels):  # run once, since what is varied does not reach it
-            ends = np.array([-0.5, len(labels) - 0.5])
-            plots.draw_band(final, ends, np.full(2, heights[there]), np.full(2, halves[there]), style)
+            plots.draw_seeds(final, np.array([-0.5, len(labels) - 0.5]), np.repeat(finals[:, there], 2, axis=1), style)
         else:
-            points = (positions[there] + offset, heights[there], errors[there])
-            final.errorbar(*points, fmt="o", markersize=4, capsize=2, **style)
+            style |= {"linestyle": "none", "marker": "o"}
+            plots.draw_errors(final, positions[there] + offset, finals[:, there], style)
     final.set(xticks=positions, xlabel=settings["varied"], ylabel=f"regret after {rounds[-1]} rounds (reward)")
     final.set_xlim(-0.5, len(labels) - 0.5)
     final.set_title("every algorithm", fontsize=9)
@@ -105,12 +102,12 @@ def _figure(data: xr.Dataset, search: str) -> Any:
 def words(data: xr.Dataset) -> str:
     """Final regret with 95 % intervals, and what the offline set holds, for each variation."""
     settings = json.loads(data.attrs["settings"])
-    lines = [f"{settings['seeds']} seeds, {data.sizes['round']} rounds; mean ± 95 % half-width over seeds."]
+    lines = [f"{settings['seeds']} seeds, {data.sizes['round']} rounds; {spread_words(settings['seeds'])}."]
     for search in SEARCHES:
         lines += ["", f"{TITLES[search]}:"]
         for label in (str(value) for value in data.variation.values):
             own = data.sel(search=search, variation=label)
-            finals = {name: _final(data.sel(search=search), label, name) for name in ("bridge", "pbrl", "bc")}
+            finals = {name: mean_of(_finals(data.sel(search=search), label, name)) for name in ("bridge", "pbrl", "bc")}
             told = ", ".join(f"{name} {mean}" for name, mean in finals.items() if np.isfinite(mean.mean))
             best = float(own.best_candidate.sel(algorithm="bridge").mean())
             middle = float(np.median(cumulative(own, "suboptimality", "bridge")[:, -1]))
@@ -132,9 +129,9 @@ def _candidates(settings: dict[str, Any], label: str) -> int:
     return 1 + config.small + config.large
 
 
-def _final(data: xr.Dataset, label: str, name: str) -> Mean:
-    """Final cumulative regret of an algorithm in a variation; nan where it was not run."""
+def _finals(data: xr.Dataset, label: str, name: str) -> FloatArray:
+    """Final cumulative regret of an algorithm in a variation, one a seed; nan where it was not run."""
     own = data.sel(variation=label)
     if bool(own.suboptimality.sel(algorithm=name).isnull().all()):
-        return Mean(np.nan, np.nan)
-    return mean_of(cumulative(own, "suboptimality", name)[:, -1])
+        return np.full(own.sizes["seed"], np.nan)
+    return cumulative(own, "suboptimality", name)[:, -1]

@@ -18,8 +18,8 @@ import xarray as xr
 from bridge_algos.mdp import FloatArray
 from bridge_algos.online.oracles import ReturnOracle
 from bridge_algos.run.config import RunConfig, preset
-from bridge_algos.run.plots import STYLES, finish
-from bridge_algos.run.summary import mean_of, mean_over_seeds, verdict
+from bridge_algos.run.plots import STYLES, draw_errors, finish
+from bridge_algos.run.summary import Mean, lowest_regret, mean_of, verdict
 from bridge_theory.cli.table import text_table
 from bridge_theory.errors import InputError
 from experiments.cells import Cell, run_cells
@@ -96,6 +96,7 @@ def _outcome(run: xr.Dataset) -> xr.Dataset:
             "out_of_offline_set": run.optimum_in_offline_set == 0,
             "ruled_out": (run.optimum_ruled_out == 1).any("round"),
             "regret": run.suboptimality.sum("round").assign_attrs(units="reward"),
+            "lowest_regret": ((), run.sizes["round"] * lowest_regret(run, "suboptimality"), {"units": "reward"}),
             "searched": run.best_candidate <= run.attrs["expert_return"] - run.attrs["optimum_return"] + 1e-9,
         },
         coords={"seed": run.seed, "algorithm": run.algorithm},
@@ -170,11 +171,9 @@ def _draw_frequencies(axes: Any, x: FloatArray, own: xr.Dataset) -> None:
 
 def _draw_regrets(axes: Any, x: FloatArray, own: xr.Dataset) -> None:
     for i, name in enumerate(str(n) for n in own.algorithm.values):
-        mean, half = mean_over_seeds(own.regret.sel(algorithm=name).transpose("seed", "cell").values)
-        half = np.where(np.isfinite(half), half, 0)
-        axes.errorbar(
-            x + 0.06 * (i - 1), mean, half, marker=".", markersize=4, capsize=1.5, **{"linewidth": 1.2, **STYLES[name]}
-        )
+        values = own.regret.sel(algorithm=name).transpose("seed", "cell").values
+        style = {"linewidth": 1.2, **STYLES[name]}
+        draw_errors(axes, x + 0.06 * (i - 1), values, style, low=own.lowest_regret.min("seed").values)
     axes.set_ylim(bottom=min(0, axes.get_ylim()[0]))
 
 
@@ -202,11 +201,12 @@ def words(data: xr.Dataset) -> str:
 
 def _fate(cell: xr.Dataset) -> str:
     """How often the optimal policy was ruled out, and all regrets, in one cell."""
-    regrets = ", ".join(
-        f"{STYLES[name]['label']} {mean_of(cell.regret.sel(algorithm=name))}"
-        for name in map(str, cell.algorithm.values)
-    )
+    regrets = ", ".join(f"{STYLES[name]['label']} {_regret(cell, name)}" for name in map(str, cell.algorithm.values))
     return f"ruled out of Pi_t in some round {share_text(cell.ruled_out.sel(algorithm='bridge'))}; regret {regrets}"
+
+
+def _regret(cell: xr.Dataset, name: str) -> Mean:
+    return mean_of(cell.regret.sel(algorithm=name), low=float(cell.lowest_regret.min()))
 
 
 def _table(data: xr.Dataset, base: xr.Dataset, factor: str) -> str:
@@ -218,7 +218,7 @@ def _table(data: xr.Dataset, base: xr.Dataset, factor: str) -> str:
         row = [_short(value), share_text(here.out_of_offline_set), share_text(here.ruled_out.sel(algorithm="bridge"))]
         for name in algorithms:
             regret = here.regret.sel(algorithm=name)
-            row += [str(mean_of(regret)), str(mean_of(regret - base.regret.sel(algorithm=name)))]
+            row += [str(_regret(here, name)), str(mean_of(regret - base.regret.sel(algorithm=name)))]
         rows.append(row)
     regrets = [text for n in algorithms for text in (f"regret {STYLES[n]['label']}", "difference")]
     return text_table(("value", "not in offline set", "ruled out of Pi_t", *regrets), rows)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from proofs_checks.claim import Claim
-from proofs_checks.evidence import exact, mutant
+from proofs_checks.evidence import agrees, mutant
 from proofs_checks.outcome import Outcome, Tally
 
 _DOUBLES = 1e-15
@@ -53,7 +53,7 @@ CLAIMS = (
         because="""A definition. The kernel behind the published runs differs from it in the 12 impossible pairs: there
         an agent that should not move does move with probability 3/10.""",
         evidence=(
-            exact(
+            agrees(
                 "The variant called text follows the figure, pair by pair.",
                 star_arrows,
                 mutant("success 0.8", success=0.8),
@@ -70,7 +70,7 @@ CLAIMS = (
         because="""The caption says 0.9, the text says 0.8, and the published runs use 0.84 on a transposed map, so
         that the figure does not determine an environment. Both readings are provided as variants.""",
         evidence=(
-            exact(
+            agrees(
                 "Neither the text's kernel (0.8) nor the published one (0.84) has the caption's 0.9.",
                 gridworld_success,
                 mutant("the caption's 0.9", text=0.9),

@@ -6,6 +6,7 @@ A law includes the arrival after the last action, so that ``horizon`` counts tra
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from fnmatch import fnmatchcase
 from fractions import Fraction
 from math import prod
 from typing import Any
@@ -19,6 +20,7 @@ from proofs_checks.exact.laws import (
     Choice,
     History,
     Law,
+    Row,
     deterministic,
     occupancies,
     row_hellinger,
@@ -38,11 +40,30 @@ def model(data: Mapping[str, Any], kernel: str = TRUE) -> Model:
 
 
 def policy(data: Mapping[str, Any], name: str) -> Choice:
-    """One of the instance's policies: an action per state, or a row per state."""
+    """One of the instance's policies: an action per state, a row per state, or a row per pattern of histories.
+
+    A history is written with the names of states and actions, ``"s a x"``; the first pattern that fits it counts, and
+    ``*`` in a pattern stands for anything.
+    """
     table = data["policies"][name]
+    if isinstance(table, Mapping):
+        return _by_pattern(data, {pattern: probability_row(row) for pattern, row in table.items()})
     if isinstance(table[0], list):
         return stationary_policy([probability_row(row) for row in table])
     return deterministic([int(action) for action in table], len(data["kernels"][next(iter(data["kernels"]))][0]))
+
+
+def _by_pattern(data: Mapping[str, Any], rows: Mapping[str, Row]) -> Choice:
+    names = data["states"], data["actions"]
+
+    def choice(history: History) -> Row:
+        written = " ".join(names[i % 2][x] for i, x in enumerate(history))
+        fitting = (row for pattern, row in rows.items() if fnmatchcase(written, pattern))
+        if (row := next(fitting, None)) is None:
+            raise InputError(f"no pattern of the policy fits the history {written!r}.")
+        return row
+
+    return choice
 
 
 def law(data: Mapping[str, Any], kernel: str, name: str, *, arrival: bool = True) -> Law:
@@ -73,8 +94,8 @@ def concentrability(data: Mapping[str, Any]) -> Fraction:
 
 @evaluates("offline-technical-lemma")
 def technical_lemma(data: Mapping[str, Any]) -> tuple[Number, Number]:
-    """H^2 for the other policy, and H C H^2 for the expert."""
-    scale = int(data["horizon"]) * concentrability(data)
+    """H^2 for the other policy, and H C H^2 for the expert; ``H`` in the data counts otherwise than transitions."""
+    scale = int(data.get("H", data["horizon"])) * concentrability(data)
     return side(trajectory_error(data, OTHER)), side(trajectory_error(data, EXPERT) * scale)
 
 

@@ -9,7 +9,7 @@ from typing import Any
 from bridge_theory.arithmetic import flint_balls
 from bridge_theory.arithmetic.balls import BALLS
 from bridge_theory.arithmetic.flint_balls import Ball, ball, working_precision
-from bridge_theory.bound import Bound
+from bridge_theory.formula import Formula
 from proofs_checks.exact.surd import Surd
 
 Number = Surd | Fraction | int | Callable[[], Ball]
@@ -35,7 +35,7 @@ def at_most(left: Number, right: Number) -> bool:
     return bool(abs(gap) < _EQUAL)
 
 
-def within(truth: Number, bound: Bound, **values: Number | tuple[Fraction | int, ...]) -> bool:
+def within(truth: Number, bound: Formula, **values: Number | tuple[Fraction | int, ...]) -> bool:
     """Whether an exact number is at most a bound at the given parameters (array parameters are tuples).
 
     >>> from bridge_theory import row_error_at_step
@@ -47,7 +47,7 @@ def within(truth: Number, bound: Bound, **values: Number | tuple[Fraction | int,
     return at_most(truth, lambda: value_of(bound, **values))
 
 
-def attained(truth: Number, bound: Bound, **values: Number | tuple[Fraction | int, ...]) -> bool:
+def attained(truth: Number, bound: Formula, **values: Number | tuple[Fraction | int, ...]) -> bool:
     """Whether the bound equals an exact number to 360 digits.
 
     >>> from bridge_theory import row_error_at_step
@@ -58,13 +58,13 @@ def attained(truth: Number, bound: Bound, **values: Number | tuple[Fraction | in
         return bool(abs(value_of(bound, **values) - as_ball(truth)) < _EQUAL)
 
 
-def value_of(bound: Bound, **values: Number | tuple[Fraction | int, ...]) -> Ball:
+def value_of(bound: Formula, **values: Number | tuple[Fraction | int, ...]) -> Ball:
     """The bound as a ball at the working precision; parameters may be irrational."""
     value = bound(BALLS, **{k: v if isinstance(v, tuple) else as_ball(v) for k, v in values.items()})
     return flint_balls.as_ball(value)
 
 
-def scaled(factor: Fraction, bound: Bound, **values: Number | tuple[Fraction | int, ...]) -> Ball:
+def scaled(factor: Fraction, bound: Formula, **values: Number | tuple[Fraction | int, ...]) -> Ball:
     """A multiple of the bound: a mutant of it."""
     return ball(factor) * value_of(bound, **values)
 

@@ -6,14 +6,15 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from urllib.parse import quote
 
-from bridge_theory import paper
 from proofs_checks.claim import MEANING, Repair
-from proofs_checks.evidence import Evidence
+from proofs_checks.evidence import MEANING as KINDS
+from proofs_checks.evidence import Evidence, Kind
 from proofs_checks.html.instance import instance
 from proofs_checks.html.prose import line, paragraphs, sentence
 from proofs_checks.ledger import formula_evidence
 from proofs_checks.run import Job, Report
-from proofs_checks.standing import Standing
+from proofs_checks.standing import Standing, item_holds
+from proofs_checks.strength import link_kind, weakest
 
 Reports = Mapping[Job, Report]
 
@@ -21,18 +22,18 @@ Reports = Mapping[Job, Report]
 def entry(item: Standing, reports: Reports) -> str:
     """The article of one claim."""
     claim = item.claim
-    known = paper.entry(claim.label)
     part = f' <span class="part">{escape(claim.part)}</span>' if claim.part else ""
     title = claim.name[:1].upper() + claim.name[1:]
-    verdict = badge(claim.verdict, MEANING[claim.verdict])
+    verdict = badge(claim.verdict, MEANING[claim.verdict]) + weakest_badge(item.weakest)
     parts = [
         f'<header><h3><a href="#{anchor(claim.key)}">{escape(title)}</a></h3>{verdict}'
-        f'<p class="where">{escape(known.kind)} <code>{escape(claim.label)}</code>{part}</p></header>',
+        f'<p class="where">{escape(claim.kind)} <code>{escape(claim.label)}</code>{part}</p></header>',
         f'<div class="statement">{paragraphs(claim.statement)}</div>',
         _listed("Assumptions", claim.assumptions),
         f'<div class="because">{paragraphs(claim.because)}</div>',
         *(f'<p class="problem">{escape(text)}</p>' for text in item.problems),
         *(instance(piece.counterexample) for piece in claim.evidence if piece.counterexample is not None),
+        _links(item.links),
         _evidence(claim.evidence, reports),
         *(_repaired(repair) for repair in claim.repairs),
         _folded("Proof" if claim.verdict.startswith("true") else "Details", claim.proof),
@@ -52,10 +53,15 @@ def repair_entry(repair: Repair, users: Sequence[str], reports: Reports) -> str:
     """The article of one repaired statement; ``users`` are the keys of the claims that it serves."""
     serves = ", ".join(f'<a href="#{anchor(key)}"><code>{escape(key)}</code></a>' for key in users)
     formulas = ", ".join(f"<code>bridge_theory.{escape(name)}</code>" for name in repair.formulas)
+
+    def holds(piece: Evidence) -> bool:
+        return item_holds(piece, reports)
+
     return (
         f'<article id="{anchor(repair.name)}" class="repair"><header><h3><a href="#{anchor(repair.name)}">'
-        f"{escape(repair.name)}: {escape(repair.title)}</a></h3></header>"
+        f"{escape(repair.name)}: {escape(repair.title)}</a></h3>{weakest_badge(weakest(repair, holds))}</header>"
         f'<div class="statement">{paragraphs(repair.statement)}</div>{_listed("Assumptions", repair.assumptions)}'
+        f"{_links([(one.says, link_kind(one, repair.evidence, holds)) for one in repair.links])}"
         f"{_evidence((*repair.evidence, *formula_evidence(repair)), reports)}{_folded('Proof', repair.proof)}"
         + (f'<p class="quiet">Computed by {formulas}.</p>' if formulas else "")
         + f'<p class="quiet">Serves {serves}.</p>'
@@ -72,6 +78,16 @@ def badge(word: str, meaning: str = "") -> str:
     """A verdict or a kind of evidence, coloured by its class."""
     kind = word.replace(",", "").replace(" ", "-")
     return f'<span class="badge {kind}" title="{escape(meaning)}">{escape(word)}</span>'
+
+
+def weakest_badge(kind: Kind | None) -> str:
+    """How far a statement is shown at its weakest link; nothing where it needs none."""
+    return f'<span class="quiet weakest">weakest link {badge(kind, KINDS[kind])}</span>' if kind else ""
+
+
+def _links(links: Sequence[tuple[str, Kind | None]]) -> str:
+    rows = "".join(f"<li>{badge(kind or 'not run')} {line(sentence(says))}</li>" for says, kind in links)
+    return f'<p class="title">What has to hold for it</p><ul class="links">{rows}</ul>' if len(links) > 1 else ""
 
 
 def _repaired(repair: Repair) -> str:

@@ -68,9 +68,25 @@ def _policies(data: Mapping[str, Any]) -> str:
     rows = [
         f"<tr><th>{escape(plain(name))}</th>" + "".join(f"<td>{escape(cell(c))}</td>" for c in choices) + "</tr>"
         for name, choices in data["policies"].items()
-        if len(choices) == len(data["states"])
+        if len(choices) == len(data["states"]) and not isinstance(choices, Mapping)
     ]
-    return f'<table class="small"><tr><th>policy</th>{head}</tr>{"".join(rows)}</table>' if rows else ""
+    table = f'<table class="small"><tr><th>policy</th>{head}</tr>{"".join(rows)}</table>' if rows else ""
+    return table + _by_history(data)
+
+
+def _by_history(data: Mapping[str, Any]) -> str:
+    """Policies that remember: a row for each pattern of histories, the first that fits counts."""
+    actions = "".join(f"<th>{escape(plain(name))}</th>" for name in data.get("actions", ()))
+    rows = [
+        f"<tr><th>{escape(plain(name))}</th><td><code>{escape(pattern)}</code></td>"
+        + "".join(f"<td>{escape(str(p))}</td>" for p in row)
+        + "</tr>"
+        for name, choices in data["policies"].items()
+        if isinstance(choices, Mapping)
+        for pattern, row in choices.items()
+    ]
+    head = f"<tr><th>policy</th><th>after</th>{actions}</tr>"
+    return f'<table class="small">{head}{"".join(rows)}</table>' if rows else ""
 
 
 def _laws(laws: Mapping[str, Any]) -> str:

@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from importlib import resources
 
-from bridge_theory import paper
 from proofs_checks.claim import MEANING as VERDICTS
 from proofs_checks.evidence import MEANING as KINDS
 from proofs_checks.evidence import STRENGTH
@@ -22,7 +21,7 @@ def page(standings: Sequence[Standing], reports: Mapping[Job, Report], *, quick:
     """A complete HTML document that needs nothing else."""
     sections: dict[str, list[str]] = {}
     for item in standings:
-        heading = section_title(paper.entry(item.claim.label).section)
+        heading = section_title(item.claim.section)
         sections.setdefault(heading, []).append(entry(item, reports))
     body = "".join(
         f"<section><h2>{escape(heading)}</h2>{''.join(articles)}</section>" for heading, articles in sections.items()
@@ -37,7 +36,7 @@ def page(standings: Sequence[Standing], reports: Mapping[Job, Report], *, quick:
 
 
 def _top(standings: Sequence[Standing], reports: Mapping[Job, Report], quick: bool) -> str:
-    kinds = Counter(item.strongest for item in standings)
+    kinds = Counter(item.weakest for item in standings)
     verdicts = Counter(item.claim.verdict for item in standings)
     held = {item.key or id(item): item.kind for one in standings for item in all_evidence(one.claim)
             if item_holds(item, reports)}  # fmt: skip
@@ -66,7 +65,7 @@ def _top(standings: Sequence[Standing], reports: Mapping[Job, Report], quick: bo
         '<header class="top"><h1>Is each statement of the paper true?</h1>'
         "<p>Every numbered statement of BRIDGE with its verdict as printed, the evidence that a machine checked, a "
         "counterexample where it is false, and a statement that does hold instead.</p>"
-        '<p class="title">Claims by their strongest evidence, and all pieces of evidence that hold</p>'
+        '<p class="title">Claims by the weakest link of their verdict, and all pieces of evidence that hold</p>'
         f'<div class="counts">{evidence}</div>'
         f'<p class="state{" bad" if problems else ""}">{len(standings)} claims, {"quick" if quick else "full"} run. '
         f"{state}{planted}</p>"

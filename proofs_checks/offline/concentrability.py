@@ -5,7 +5,7 @@ from __future__ import annotations
 from proofs_checks.claim import Claim
 from proofs_checks.evidence import refuted
 from proofs_checks.offline.evidence import text
-from proofs_checks.offline.repairs_trajectory import STATED_CONCENTRABILITY, T5, TV
+from proofs_checks.offline.repairs_trajectory import STATED_CONCENTRABILITY, STATED_CONCENTRABILITY_LINKS, T5, TV
 
 CLAIMS = (
     Claim(
@@ -34,6 +34,7 @@ CLAIMS = (
         because=r"""Two errors of the proof cancel: twice the total variation is too large by a factor of 2, and
             $\operatorname{TV} \le \sqrt{H^2}$ is too small by a factor of up to $\sqrt2$. It also cites the wrong
             assumption.""",
+        links=STATED_CONCENTRABILITY_LINKS,
         evidence=(*STATED_CONCENTRABILITY, text("concentrability_stated", "concentrability_sharp")),
         repairs=(T5,),
     ),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from proofs_checks.claim import Claim
+from proofs_checks.claim import Claim, link
 from proofs_checks.evidence import cited, exact, mutant, refuted
 from proofs_checks.offline.checks import maximum_likelihood
 from proofs_checks.offline.evidence import text
@@ -51,6 +51,11 @@ CLAIMS = (
             probability $1-\delta$.""",
         because=r"""The first is the definition of the divergence, the second Ville's inequality for an exponential
             martingale.""",
+        links=(
+            link("the identity", "renyi_identity"),
+            link("the exponential martingale has mean 1", "exponential_inequality"),
+            link("a nonnegative martingale of mean 1 exceeds $1/\\delta$ with probability at most $\\delta$", "cited"),
+        ),
         evidence=(
             exact(
                 "the first identity on generated laws, in exact algebra",

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from proofs_checks.evidence import Evidence, exact, kernel_checked, mutant, proved_step
+from proofs_checks.evidence import Evidence, agrees, kernel_checked, mutant, proved_step
 from proofs_checks.offline.checks import kernel, transcription
 
 
 def text(*names: str) -> Evidence:
     """That bridge_theory evaluates the paper's text: a second transcription agrees."""
     words = "the formula of bridge_theory agrees with a second transcription of the text"
-    return exact(words, transcription.formulas, mutant("a thousandth more", factor=1.001), names=names)
+    return agrees(words, transcription.formulas, mutant("a thousandth more", factor=1.001), names=names)
 
 
 def coq(words: str, file: str, name: str, wrong: str, old: str, new: str) -> Evidence:

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
-
-from proofs_checks.claim import Claim
-from proofs_checks.evidence import exact, mutant, refuted
-from proofs_checks.offline.checks import radius
+from proofs_checks.claim import Claim, link
+from proofs_checks.evidence import refuted
 from proofs_checks.offline.evidence import text
 from proofs_checks.offline.policy_estimation import POLICY_ERROR
 from proofs_checks.offline.repairs_counts import T11
 from proofs_checks.offline.repairs_policy import T7, T8, T9
 from proofs_checks.offline.search import ROOT_TWO
-from proofs_checks.offline.stage_one import RADIUS_OF_THE_LEMMA, RADIUS_OF_THE_THEOREM
+from proofs_checks.offline.stage_one import (
+    LINKS_OF_THE_LEMMA,
+    LINKS_OF_THE_THEOREM,
+    RADIUS_OF_THE_LEMMA,
+    RADIUS_OF_THE_THEOREM,
+)
 from proofs_checks.offline.transition_estimation import STATED_ERROR
 
 CLAIMS = (
@@ -26,6 +28,7 @@ CLAIMS = (
             2\sqrt{R_1}/\gamma_{\min})})$.""",
         because=r"""T9 implies it for all policies; the third term of the paper's triangle inequality is not bounded
             as claimed.""",
+        links=LINKS_OF_THE_LEMMA,
         evidence=RADIUS_OF_THE_LEMMA,
         repairs=(T9,),
     ),
@@ -63,6 +66,11 @@ CLAIMS = (
         because=r"""The corollaries that are cited have 6, not 4; T7 and T11 prove 4. The second needs $nH \ge 2$ or
             $\delta_2 \le 1/2$.""",
         assumptions=("$nH \\ge 2$ or $\\delta_2 \\le 1/2$", "$|A| \\ge 2$, else there is nothing to clone"),
+        links=(
+            link("the sharp bound on the policy error", T7),
+            link("the stated one is larger", "constants_by_logarithms"),
+            link("the transition error", T11),
+        ),
         evidence=(*POLICY_ERROR, *STATED_ERROR, text("policy_error_stated", "transition_error_stated")),
         repairs=(T7, T11),
     ),
@@ -84,14 +92,9 @@ CLAIMS = (
         verdict="true, proof wrong",
         statement=r"""$\pi^*$ lies with probability $1-\delta$ in the set whose radius is that of the main theorem.""",
         because="As for the main theorem, which it repeats.",
-        evidence=(
-            *RADIUS_OF_THE_THEOREM,
-            exact(
-                "the radius is the lemma's at $R_1(\\delta/2)$ and $R_2(\\delta/2)$",
-                radius.radius_is_the_lemma,
-                mutant("$\\delta$ instead of $\\delta/2$", half=Fraction(1)),
-            ),
-        ),
+        links=LINKS_OF_THE_THEOREM,
+        evidence=RADIUS_OF_THE_THEOREM,
         repairs=(T8, T9),
+        proof="As for the main theorem.",
     ),
 )

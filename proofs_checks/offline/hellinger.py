@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from proofs_checks.claim import Claim, Repair
-from proofs_checks.evidence import exact, mutant, refuted
+from proofs_checks.claim import Claim, Repair, link
+from proofs_checks.evidence import agrees, exact, mutant, refuted
 from proofs_checks.offline.checks import distances, recursion
 from proofs_checks.offline.evidence import coq
 from proofs_checks.offline.repairs_counts import T14
@@ -33,13 +33,22 @@ K5 = Repair(
         \sum_a\sqrt{\pi^1_h\pi^2_h(a|s)}\sqrt{P^1P^2(s'|s,a)}$. $H$ products of a vector and a matrix cost
         $O(H|S|^2)$, less than powers of $M$ at most horizons.""",
     assumptions=("both laws share the law of the first state",),
+    links=(
+        link("the recursion, for stochastic policies", "agreement_recursion", "recursion_equals_enumeration"),
+        link("the product form for stochastic policies ends with the last action", "stochastic_policies"),
+    ),
     evidence=(
         _PROVED_RECURSION,
         _RECURSION,
         exact(
-            "stochastic policies, also against the code of bridge_algos",
+            "the product equals the sum over trajectories, for generated stochastic policies",
             recursion.stochastic_policies,
             mutant("nine tenths of every factor", factor=Fraction(9, 10)),
+        ),
+        agrees(
+            "the code of bridge_algos computes the same number to rounding",
+            recursion.stochastic_policies_in_code,
+            mutant("nine tenths of it", factor=0.9),
         ),
     ),
     proof="Group the trajectories by their last state; each factor of the product depends on one step only.",
@@ -59,6 +68,7 @@ CLAIMS = (
             "deterministic policies with a common law of the first state (otherwise $X_0 = \\sqrt{d_1d_2}$)",
             "for trajectories that end with the last action use $H - 1$ transitions and a last agreement factor",
         ),
+        links=(link("the recursion", "agreement_recursion", "recursion_equals_enumeration"),),
         evidence=(_PROVED_RECURSION, _RECURSION),
         proof=r"""By induction: split the last transition off a partial trajectory; the bracket that remains is
             $X_t(s)$. The displays of the paper write $a_t, s_t$ for $a_j, s_j$ inside products over $j$.""",
@@ -73,10 +83,16 @@ CLAIMS = (
             along})$.""",
         because=r"""Then every factor is a probability. (The question that the paper quotes asks for 1 minus the
             distance.)""",
+        links=(link("the distance is the probability of a disagreement", "disagreement_is_the_distance"),),
         evidence=(
             exact(
-                "generated models; the code of bridge_algos agrees to rounding",
+                "generated models and deterministic policies",
                 recursion.disagreement_is_the_distance,
+                mutant("the first state forgotten", first_state=1),
+            ),
+            agrees(
+                "the code of bridge_algos computes the same number to rounding",
+                recursion.disagreement_in_code,
                 mutant("the first state forgotten", first_state=1),
             ),
             exact(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from proofs_checks.claim import Claim
+from proofs_checks.claim import Claim, link
 from proofs_checks.evidence import exact, mutant, proved_step
 from proofs_checks.offline.checks import moments
 from proofs_checks.offline.evidence import text
@@ -20,6 +20,10 @@ CLAIMS = (
             \operatorname{E}_Qf\rVert_2 \le 2\sqrt2\,B\sqrt{dR}$.""",
         because=r"""T12 gives $2B\sqrt{dR(2-R)}$. Densities need not be continuous. The main text uses the form
             without $d$, which is true for $\lVert f\rVert_2 \le B$, the assumption made there.""",
+        links=(
+            link("the sharp bound on means", T12),
+            link("the stated bound is above it, for every $R$ in $[0, 1]$", "mean_bounds_compared"),
+        ),
         evidence=(
             proved_step(
                 r"$(2\sqrt2B\sqrt R)^2 - (2B\sqrt{R(2-R)})^2 = 4B^2R^2$ (SymPy)",
@@ -47,10 +51,19 @@ CLAIMS = (
             assumptions.""",
         because=r"""T12 has 4 in place of 6, and $4t(1-t)$ of the total variation exactly. The proof has a sign error
             without effect.""",
+        links=(
+            link("the sharp bound on covariances", T12),
+            link("the stated bound is above it, for every $R$ in $[0, 1]$", "covariance_bounds_compared"),
+        ),
         evidence=(
             proved_step(
-                "the stated bound exceeds the sharp one for all R in a box (balls)",
+                "the stated bound exceeds the sharp one for every $R$ in $[0, 1]$ (Z3)",
                 moments.covariance_bounds_compared,
+                mutant("1 instead of 6", factor=1),
+            ),
+            proved_step(
+                "the formulas of bridge_theory in this order for $R$ from $1/10000$ to 1 (balls)",
+                moments.covariance_formulas_compared,
                 mutant("three times the sharp one", factor=3),
             ),
             exact(

@@ -4,19 +4,26 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from proofs_checks.claim import Claim
+from proofs_checks.claim import Claim, link
 from proofs_checks.evidence import exact, mutant, proved_step, refuted
 from proofs_checks.offline.checks import maximum_likelihood, radius
 from proofs_checks.offline.evidence import text
 from proofs_checks.offline.repairs_counts import T12
 from proofs_checks.offline.repairs_policy import T6, T6_COVER, T7, T8
 
-POLICY_ERROR = (
+POLICY_CONSTANT = (
     proved_step(
         r"$|S|\log2 + \log(1/\delta) \le 4|S|\log(|A|/\delta)$ for $|A| \ge 2$ (Z3 in the logarithms)",
         maximum_likelihood.constants_by_logarithms,
         mutant("constant 0 instead of 4", constant=0),
     ),
+)
+POLICY_ERROR_LINKS = (
+    link("the sharp bound on the policy error", T7),
+    link("the stated one is larger", "constants_by_logarithms"),
+)
+POLICY_ERROR = (
+    *POLICY_CONSTANT,
     exact(
         "the formulas of bridge_theory with 4 and with 6 are above the sharp one",
         maximum_likelihood.paper_constants_are_safe,
@@ -65,7 +72,16 @@ CLAIMS = (
         verdict="true",
         statement=r"$H^2(P_*^{\hat\pi}, P_*^{\pi^*}) \le 6\log(2|\Pi|/\delta)/n$ with probability $1-\delta$.",
         because=r"T6 has $\log((|\Pi|-1)/\delta)/n$.",
+        links=(
+            link("the tail of maximum likelihood over a finite class", T6),
+            link(r"$\log((|\Pi|-1)/\delta) \le 6\log(2|\Pi|/\delta)$", "finite_class_constants"),
+        ),
         evidence=(
+            proved_step(
+                r"$\log((|\Pi|-1)/\delta) \le 6\log(2|\Pi|/\delta)$ (Z3 in the logarithms)",
+                maximum_likelihood.finite_class_constants,
+                mutant("constant 0 instead of 6", constant=0),
+            ),
             exact(
                 "the tail behind it, over all samples of generated classes; the formulas in order",
                 maximum_likelihood.finite_formulas,
@@ -84,6 +100,7 @@ CLAIMS = (
         because=r"""True with room: T7 has $(|S|\log2 + \log(1/\delta))/n$, without $|A|$. The step in the paper's
             proof holds only for $\delta \le 2^{-1/(|S|-1)}$.""",
         assumptions=("for $|A| = 1$ there is one policy and nothing to estimate",),
+        links=POLICY_ERROR_LINKS,
         evidence=(*POLICY_ERROR, text("policy_error_corollary")),
         repairs=(T7,),
     ),
@@ -112,6 +129,7 @@ CLAIMS = (
         statement=r"""$H(P_*^{\pi^*}, P_*^{\hat\pi}) \le \sqrt{6|S|\log(|A|/\delta)/n}$ with probability $1-\delta$.""",
         because=r"""Follows from T7, not from the theorem, whose constant is 4. As $P^*$ is known, the root of
             $P_*^{\hat\pi}(\text{meet a state without data})$ is a sure and computable radius (T8).""",
+        links=POLICY_ERROR_LINKS,
         evidence=(
             *POLICY_ERROR,
             exact(

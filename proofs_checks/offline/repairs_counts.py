@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from proofs_checks.claim import Repair
-from proofs_checks.evidence import covered, exact, mutant, proved_step
+from proofs_checks.claim import Repair, link
+from proofs_checks.evidence import agrees, covered, exact, mutant, proved_step
 from proofs_checks.offline.checks import coverage, covering, kl_budget, moments, zero_radius
+from proofs_checks.offline.repairs_policy import T6_COVER
+from proofs_checks.offline.repairs_trajectory import T3
 
 T10 = Repair(
     name="T10",
@@ -17,6 +19,14 @@ T10 = Repair(
         on pairs with data, and for step-wise counts with a deterministic expert $H^2(\hat P^{\pi^*}, P_*^{\pi^*}) \le
         1 - e^{-\mathcal B/(2n)}$, the first state being one more cell.""",
     assumptions=("each row of the kernel is stationary", "$N$ counts the transitions used"),
+    links=(
+        link("the mixture is a law and dominates the maximised likelihood", "laplace_mixture"),
+        link("one row stays within the budget for ever, by Ville", "crossing_probability"),
+        link("all rows at once, for pairs chosen adaptively", "transition_budget"),
+        link("visits under the step-wise estimate are the counts", "visits_equal_counts"),
+        link("the maximum over policies that stay on pairs with data, by duality", "trajectory_divergence"),
+        link("from the divergence to the Hellinger error", T3),
+    ),
     evidence=(
         exact(
             "the mixture is a law and dominates the maximised likelihood over the binomial, on generated counts",
@@ -64,6 +74,17 @@ T11 = Repair(
         states needs exactly $\lceil 1/(e^\varepsilon-1)\rceil$ elements. With T6 and $D = |S||A|(|S|-1)$, $H^2(\hat
         P^{\pi^*}, P_*^{\pi^*}) \le \frac{2D}{n}[\log(nH/D+3)+2] + \frac{2\log(1/\delta)}{n}$, which is at most
         $4|S|^2|A|\log(nH/\delta)/n$ whenever that is below 1 and $nH \ge 2$ or $\delta \le 1/2$.""",
+    links=(
+        link("the lattice covers every row", "lattice_covers"),
+        link("the number of its points", "lattice_count"),
+        link(r"$(m+2|S|-2)/(|S|-1) \le 1/(e^\varepsilon-1)+3$", "stirling_step"),
+        link(r"$\binom ab \le (ea/b)^b$, and with it the closed form"),
+        link("two states need exactly as many elements as stated", "two_states"),
+        link("the error of maximum likelihood over a cover", T6_COVER),
+        link("the corollary's bound says nothing below 68 demonstrations", "corollary_start"),
+        link("the corollary's bound is the larger one from 68 on", "corollary_tail"),
+        link(r"$D \le |S|^2|A|$", "dimension_is_below"),
+    ),
     evidence=(
         exact(
             "the lattice covers generated rows",
@@ -106,7 +127,7 @@ T11 = Repair(
             covering.closed_form_below_stated,
             mutant("a quarter of the stated bound", factor=Fraction(1, 4)),
         ),
-        exact(
+        agrees(
             "the minimum over the lattice equals brute force",
             covering.covering_number_grid,
             mutant("no number is its own minimum", slack=-1.0),
@@ -133,6 +154,12 @@ T12 = Repair(
         \operatorname{Cov}_Q\rVert_{op} \le b^2\varphi(\sqrt{R(2-R)})$ with $\varphi(t) = 4t(1-t)$ up to $1/2$ and 1
         beyond. Two policies within $r$ of the clone have features at most $2B\sin\min(\pi/2, 2\arccos(1-r^2)) \le
         4\sqrt2Br$ apart, deterministic ones at most $2B\min(1, 2r^2)$.""",
+    links=(
+        link("the bound on means", "means"),
+        link("the scalar maximisation behind the covariance", "covariance_maximum"),
+        link("the reduction of the covariance to a scalar, along one direction", "covariances"),
+        link("the features of two policies in a ball", "two_policies"),
+    ),
     evidence=(
         proved_step(
             "the scalar maximisation behind the covariance (Z3)",
@@ -180,6 +207,11 @@ T13 = Repair(
         \hat P^{\hat\pi}) \le 1 - e^{-\mathcal B_\pi/(2n)}$ with probability $1-\delta$, where $\mathcal B_\pi =
         \sum_{h,s:N>0}\log\binom{N_h(s)+|A|-1}{|A|-1} + \log(1/\delta)$: the transition error does not enter.""",
     assumptions=("the expert is Markov", "the demonstrations are independent"),
+    links=(
+        link("the divergence of the expert from the step-wise clone", "policy_divergence"),
+        link("the budget covers it, by T10 for the counts of actions", "stochastic_expert"),
+        link("from the divergence to the Hellinger distance", T3),
+    ),
     evidence=(
         exact(
             r"""$\mathrm{KL}(\hat P^{\hat\pi}\|\hat P^\pi) = \frac1n\sum N_h(s)\mathrm{KL}(\hat\pi_h\|\pi_h)$ on
@@ -208,6 +240,10 @@ T14 = Repair(
     title="counting and listing the set",
     statement=r"""$F(D) = \hat P^{\hat\pi}(\text{meet }D)$ is monotone and submodular, and $|\{\pi : H^2 \le r^2\}| =
         \sum_{D : F(D) \le r^2}(|A|-1)^{|D|}$: $2^{|S|}$ evaluations instead of $|A|^{|S|}$.""",
+    links=(
+        link("the count", "counting"),
+        link("$F$ is monotone and submodular", "hitting_is_a_capacity"),
+    ),
     evidence=(
         exact(
             "generated balls: enumeration of all policies, the sum, and the count of bridge_algos agree",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from proofs_checks.claim import Repair
+from proofs_checks.claim import Repair, link
 from proofs_checks.evidence import cited, covered, exact, mutant, proved_step
 from proofs_checks.offline.checks import confidence_set, coverage, maximum_likelihood, missing_mass, zero_radius
 from proofs_checks.offline.evidence import coq
@@ -18,6 +18,10 @@ T6 = Repair(
     statement=r"""For a finite class that contains the truth and any tie-break, $\Pr(H^2(\hat g, g^*) \ge R) \le
         (|\mathcal G| - 1)(1 - R)^n$ for $R > 0$, so that with probability $1 - \delta$ $H^2 \le 1 -
         (\delta/(|\mathcal G|-1))^{1/n} \le \log((|\mathcal G|-1)/\delta)/n$.""",
+    links=(
+        link("the tail, with the number of laws at that distance", "finite_class"),
+        link("the closed forms invert the tail and are in order", "finite_formulas"),
+    ),
     assumptions=(_INDEPENDENT, "at least two elements"),
     evidence=(
         coq(
@@ -50,6 +54,10 @@ T6_COVER = Repair(
     statement=r"""With a logarithmic cover $H^2(\hat g, g^*) \le 2\log(\mathcal N(\varepsilon)/\delta)/n +
         2\varepsilon$ with probability $1 - \delta$; if the truth may lie outside the class, $H^2 \le 3\log(2\mathcal
         N(\varepsilon)/\delta)/n + 2\varepsilon + \log(1 + \chi^2)$.""",
+    links=(
+        link("the probability of a larger error over a cover", "covered_class"),
+        link("the probability of a larger error outside the class", "misspecified_class"),
+    ),
     assumptions=(_INDEPENDENT,),
     evidence=(
         exact(
@@ -80,6 +88,14 @@ T7 = Repair(
         \le 1 - (\delta/(2^{|S|}-1))^{1/n} \le (|S|\log2 + \log(1/\delta))/n$ with probability $1-\delta$; with $k$
         states unseen $M \le 1 - (\delta/(|S|\binom{|S|}{k}))^{1/n}$; and $M = 0$ with probability at least $1 -
         |S|(1-\gamma_{\min})^n$. The number of actions does not enter.""",
+    links=(
+        link("the error is the probability of meeting a disagreement", "error_is_disagreement"),
+        link("the expectation", "expectation"),
+        link("the tail, over the union of all sets of states", "tail"),
+        link("the tail that depends on the number of unseen states", "observed_tail"),
+        link("the probability of exact recovery", "exact_recovery"),
+        link("the closed forms invert the tails", "formulas_invert_the_tail"),
+    ),
     assumptions=(_DETERMINISTIC, _INDEPENDENT),
     evidence=(
         exact(
@@ -151,6 +167,10 @@ T8 = Repair(
         P^{\hat\pi}) = 0$ surely, and the ball of radius 0 is the set of policies that agree with every demonstration.
         For any estimate $H^2(\hat P^{\pi^*}, \hat P^{\hat\pi}) \le \hat P^{\hat\pi}(\text{meet a state without
         data})$ surely.""",
+    links=(
+        link("the ball of radius 0 is the version space, for the closed estimate", "closed_estimate"),
+        link("the distance is at most the mass without data, for any estimate", "any_estimate"),
+    ),
     assumptions=(_DETERMINISTIC, "the clone maximises the likelihood over deterministic stationary policies"),
     evidence=(
         exact(
@@ -178,6 +198,7 @@ T9 = Repair(
     statement=r"""With $R_1 = H^2(P_*^{\hat\pi}, P_*^{\pi^*})$ and $R_2 = H^2(\hat P^{\pi^*}, P_*^{\pi^*})$, for all
         policies (stochastic, history-dependent) and kernels: $H(\hat P^{\pi^*}, \hat P^{\hat\pi}) \le \sqrt{R_1} +
         2\sqrt{R_2}$.""",
+    links=(link("the inequality between laws on any finite set of trajectories", "confidence_set", "any_policies"),),
     evidence=(
         coq(
             r"$\sqrt{R_1} + 2\sqrt{R_2}$ for all finite trajectory spaces, kernels and policies",
@@ -218,6 +239,10 @@ T9_DETERMINISTIC = Repair(
     title="radius from the two errors, deterministic policies",
     statement=r"""For deterministic policies $H(\hat P^{\pi^*}, \hat P^{\hat\pi}) \le \sqrt{R_1} + \sqrt{2R_2}$, and
         the root of 2 cannot be improved.""",
+    links=(
+        link("the inequality", "confidence_set_deterministic", "deterministic_policies"),
+        link("instances whose ratio tends to the root of 2", "root_two_is_tight"),
+    ),
     evidence=(
         coq(
             "the inequality for all finite trajectory spaces, kernels and deterministic policies",
@@ -248,6 +273,10 @@ T9_ANGLE = Repair(
     title="radius from the two errors, as an angle",
     statement=r"""For deterministic policies $H(\hat P^{\pi^*}, \hat P^{\hat\pi}) \le \sin\min(\pi/2,
         \arcsin\sqrt{R_1} + \arccos(1 - R_2))$, attained.""",
+    links=(
+        link("the inequality, by data processing", "angle_form"),
+        link("it is attained", "angle_is_attained"),
+    ),
     evidence=(
         exact(
             "two-point laws attain the angle form",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 from bridge_theory import concentrability_deterministic, concentrability_stated
-from proofs_checks.claim import Repair
+from proofs_checks.claim import Repair, link
 from proofs_checks.evidence import exact, mutant, proved_step
 from proofs_checks.offline.checks import (
     concentrability,
@@ -22,7 +22,11 @@ _COMMON = ("both laws share the policy and the law of the first state",)
 TV = Repair(
     name="TV",
     title="total variation by Hellinger",
-    statement=r"$H^2 \le \operatorname{TV} \le \sqrt{H^2(2 - H^2)}$ for all laws.",
+    statement=r"$H^2 \le \operatorname{TV} \le \sqrt{H^2(2 - H^2)}$ for all finite laws.",
+    links=(
+        link("the upper bound", "total_variation_by_hellinger", "total_variation_against_hellinger"),
+        link("the lower bound", "hellinger_below_total_variation", "total_variation_against_hellinger"),
+    ),
     evidence=(
         exact(
             "both inequalities on generated pairs of finite laws, in exact algebra",
@@ -60,6 +64,10 @@ T1 = Repair(
         a)$, and $h(s,a) = H^2(\hat P(\cdot|s,a), P_*(\cdot|s,a))$. Then $$H^2(\hat P^\pi, P_*^\pi) = \sum_t\sum_{s,a}
         g_t(s,a)\,h(s,a) \le \frac12\sum_t\bigl(\operatorname{E}_{\hat d_t}[h] + \operatorname{E}_{d_t}[h]\bigr).$$""",
     assumptions=_COMMON,
+    links=(
+        link(r"the identity and $g_t \le \sqrt{\hat d_t d_t}$", "identity"),
+        link("the inequality, with the mean of both occupancies", "symmetrised_bound"),
+    ),
     evidence=(
         exact(
             r"the identity and $g_t \le \sqrt{\hat d_t d_t}$ on generated kernels and stochastic policies",
@@ -85,6 +93,11 @@ T2 = Repair(
     statement=r"""$H^2(\hat P^\pi, P_*^\pi) \le 2.97\sum_t\operatorname{E}_{d_t}[h_t]$ with the occupancies under
         either of the two kernels. The best constant lies between 2.9615 and 2.97.""",
     assumptions=_COMMON,
+    links=(
+        link("the displayed inequality for every pair of pieces, with constant 297/100", "induction_step"),
+        link("the induction over the steps that turns it into the statement", "one_sided_bound"),
+        link("no constant below 2 serves all horizons", "long_chains"),
+    ),
     evidence=(
         proved_step(
             "the induction step with constant 2.97: polynomial inequalities, each unsatisfiable when negated (Z3)",
@@ -149,6 +162,10 @@ T3 = Repair(
         probability $p < 1$ and $K$ is the expected sum before that, then $H^2 \le 1 - (1-p)\exp\bigl(-\frac{K +
         p\log(1/p)}{2(1-p)}\bigr)$.""",
     assumptions=_COMMON,
+    links=(
+        link("the chain rule, and the inequality without exits", "chain_rule"),
+        link("the inequality with exits", "exits"),
+    ),
     evidence=(
         exact(
             "the chain rule to 360 digits, and the inequality, on generated kernels",
@@ -180,6 +197,11 @@ T4 = Repair(
         u(2 - u)$ at every step and $\sum_t\operatorname{E}_{d_t^*}[h_t] \le u(1 + (T-1)(2 - u))$; both are attained
         for every $u$.""",
     assumptions=_COMMON,
+    links=(
+        link("the bound at one step, for a pair of a prefix and a next state", "row_error_at_step"),
+        link("data processing to such a pair, and the sum over the steps", "row_errors_from_trajectories"),
+        link("both bounds are attained", "row_errors_are_attained"),
+    ),
     evidence=(
         coq_step(
             "the bound at one step (Coq's kernel), for all finite laws and rows",
@@ -214,6 +236,13 @@ T5 = Repair(
         \le \bigl(1 - R + \sqrt{R(2-R)(1-\gamma)/\gamma}\bigr)^2$ for $\gamma \le (1-R)^2$, and $d/d^* \le 1/\gamma$
         beyond. It is attained for $\gamma \le 1/2$, and is at most $1 + \sqrt{2R}/\gamma \le 1 + 2\sqrt R/\gamma$.
         For deterministic policies $d/d^* \le 1 + R/\gamma$.""",
+    links=(
+        link("data processing to the event that the pair occurs, for all policies", "holds_for_all_policies"),
+        link("the two-point inequality behind the sharp form", "two_point_inequality"),
+        link("the two weaker forms, for every $R$ and $\\gamma$ in $(0, 1]$", "weaker_forms"),
+        link("the form for deterministic policies", "holds_for_deterministic_policies"),
+        link(r"the sharp form is attained for $\gamma \le 1/2$", "attained_by_two_actions"),
+    ),
     evidence=(
         proved_step(
             "the two-point inequality behind it, without angles (Z3)",
@@ -256,9 +285,13 @@ T5 = Repair(
     formulas=("concentrability_sharp", "concentrability_deterministic"),
 )
 
+STATED_CONCENTRABILITY_LINKS = (
+    link("the sharp bound T5 on the coefficient", T5),
+    link(r"the sharp bound is below the stated one for every $R$ and $\gamma$ in $(0, 1]$", "weaker_forms"),
+)
 STATED_CONCENTRABILITY = (
     proved_step(
-        r"the sharp bound is below $1 + 2\sqrt R/\gamma$ for all $\gamma \le (1-R)^2$ (Z3)",
+        r"the sharp bound is below $1 + 2\sqrt R/\gamma$ for every $R$ and $\gamma$ in $(0, 1]$ (Z3)",
         concentrability.weaker_forms,
         mutant("factor 1 instead of 2", factor=Fraction(1)),
     ),

@@ -1,4 +1,4 @@
-"""Attacks on the open offline questions: hill climbing over rational instances, certified in exact algebra."""
+"""An attack on an open offline question: hill climbing over rational instances, certified in exact algebra."""
 
 from __future__ import annotations
 
@@ -16,11 +16,6 @@ _DENOMINATOR = 10_000_000
 _RESTART_AFTER = 4000
 _REPORT_EVERY = 200
 _SMALLEST_ERROR = 1e-9
-
-
-def _transfer_attempts(rng: np.random.Generator) -> Iterator[Attempt]:
-    """H^2(P-hat^pi, P*^pi) over H C H^2(P-hat^pi*, P*^pi*) with full support: the lemma claims at most 1."""
-    yield from _climb(rng, _transfer_score)
 
 
 def _stochastic_attempts(rng: np.random.Generator) -> Iterator[Attempt]:
@@ -70,16 +65,6 @@ def _overlap(start: Floats, kernels: tuple[Floats, Floats], policies: tuple[Floa
     return float(x.sum())
 
 
-def _transfer_score(tables: Tables, horizon: int) -> float:
-    start, true, estimate, expert, other = tables
-    d_expert, d_other, ratio = start, start, 0.0
-    for _ in range(horizon):
-        ratio = max(ratio, float((d_other[:, None] * other / (d_expert[:, None] * expert)).max()))
-        d_expert, d_other = (np.einsum("s,sa,sap->p", d, p, true) for d, p in ((d_expert, expert), (d_other, other)))
-    errors = [1 - _overlap(start, (true, estimate), (p, p), horizon) for p in (other, expert)]
-    return errors[0] / (horizon * ratio * errors[1]) if errors[1] > _SMALLEST_ERROR else 0.0
-
-
 def _root_two_score(tables: Tables, horizon: int) -> float:
     start, true, estimate, expert, other = tables
     k = 1 - _overlap(start, (estimate, estimate), (expert, other), horizon)
@@ -94,31 +79,25 @@ def _instance(tables: Tables, horizon: int) -> dict[str, Any]:
     start, true, estimate, expert, other = tables
     return {
         "states": [f"s_{s}" for s in range(len(start))],
-        "initial": _rational_row(start),
-        "kernels": {"P^*": _nested(true), "\\hat P": _nested(estimate)},
-        "policies": {"\\pi^*": [_rational_row(row) for row in expert], "\\pi": [_rational_row(row) for row in other]},
+        "initial": rational_row(start),
+        "kernels": {"P^*": nested(true), "\\hat P": nested(estimate)},
+        "policies": {"\\pi^*": [rational_row(row) for row in expert], "\\pi": [rational_row(row) for row in other]},
         "horizon": horizon,
     }
 
 
-def _nested(kernel: Floats) -> list[list[list[str]]]:
-    return [[_rational_row(row) for row in rows] for rows in kernel]
+def nested(kernel: Floats) -> list[list[list[str]]]:
+    """A kernel as lists of rational rows."""
+    return [[rational_row(row) for row in rows] for rows in kernel]
 
 
-def _rational_row(row: Floats) -> list[str]:
+def rational_row(row: Floats) -> list[str]:
+    """A row of floats as nearby positive rationals of sum 1."""
     parts = np.maximum(1, np.round(row * _DENOMINATOR)).astype(int)
     total = int(parts.sum())
     return [str(Fraction(int(part), total)) for part in parts]
 
 
-TRANSFER = Search(
-    words=r"""with full support $H^2(\hat P^\pi, P_*^\pi) \le H\,C(\pi, \pi^*)\,H^2(\hat P^{\pi^*}, P_*^{\pi^*})$""",
-    kind="offline-full-support",
-    left=r"H^2(\hat P^\pi, P_*^\pi)",
-    relation="<=",
-    right=r"H\,C(\pi, \pi^*)\,H^2(\hat P^{\pi^*}, P_*^{\pi^*})",
-    attempts=_transfer_attempts,
-)
 ROOT_TWO = Search(
     words=r"$H(\hat P^{\pi^*}, \hat P^\pi) \le \sqrt{R_1} + \sqrt{2R_2}$ for stochastic policies",
     kind="offline-root-two",

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from proofs_checks.claim import Claim
-from proofs_checks.evidence import exact, mutant, proved_step, refuted
+from proofs_checks.claim import Claim, link
+from proofs_checks.evidence import agrees, exact, mutant, proved_step, refuted
 from proofs_checks.offline.checks import confidence_set, radius, transcription
 from proofs_checks.offline.evidence import coq, text
+from proofs_checks.offline.policy_estimation import POLICY_CONSTANT
 from proofs_checks.offline.repairs_counts import T10, T11, T12, T13, T14
 from proofs_checks.offline.repairs_policy import T7, T8, T9, T9_ANGLE, T9_DETERMINISTIC
-from proofs_checks.offline.repairs_trajectory import STATED_CONCENTRABILITY, T5
+from proofs_checks.offline.repairs_trajectory import STATED_CONCENTRABILITY, STATED_CONCENTRABILITY_LINKS, T5
+from proofs_checks.online.evidence import FAMILY, refuted_order, unbounded
 
 _DETERMINISTIC = "the expert is deterministic and stationary, the kernel stationary"
 
@@ -24,6 +26,7 @@ _ON_INSTANCES = exact(
     confidence_set.stated_formula_covers,
     mutant("the first error alone", only_policy_error=True),
 )
+LINKS_OF_THE_LEMMA = (link("the inequality on the two events", "stated_lemma", "stated_formula_covers"),)
 RADIUS_OF_THE_LEMMA = (
     coq(
         "on the two events, for all finite trajectory spaces, kernels and policies",
@@ -35,7 +38,25 @@ RADIUS_OF_THE_LEMMA = (
     ),
     _ON_INSTANCES,
 )
-RADIUS_OF_THE_THEOREM = (_FACTOR_TWO, _ON_INSTANCES)
+RADIUS_OF_THE_THEOREM = (
+    _FACTOR_TWO,
+    _ON_INSTANCES,
+    exact(
+        "the radius of the theorem is that of the lemma at $R_1(\\delta/2)$ and $R_2(\\delta/2)$",
+        radius.radius_is_the_lemma,
+        mutant("$\\delta$ instead of $\\delta/2$", half=Fraction(1)),
+    ),
+    *POLICY_CONSTANT,
+)
+LINKS_OF_THE_THEOREM = (
+    link("the policy error, with probability $1-\\delta/2$", T7),
+    link("it is at most $4|S|\\log(2|A|/\\delta)/n$", "constants_by_logarithms"),
+    link("the transition error, with probability $1-\\delta/2$", T11),
+    link("the two errors bound the distance", T9),
+    link("the paper's factor is at least the one of T9", "stated_radius_is_larger"),
+    link("the radius of the theorem is that of the lemma at these errors", "radius_is_the_lemma"),
+    link("both events at once, by a union"),
+)
 
 CLAIMS = (
     Claim(
@@ -53,17 +74,13 @@ CLAIMS = (
             last step. At $(|S|, |A|, H, \delta) = (5, 4, 8, 0.05)$ the radius is below 1 only from 150158
             demonstrations on ($\gamma_{\min} = 0.1$), while radius 0 is valid at every sample size (T8).""",
         assumptions=(_DETERMINISTIC, "the law of the first state is common"),
+        links=LINKS_OF_THE_THEOREM,
         evidence=(
             *RADIUS_OF_THE_THEOREM,
             exact(
                 "wherever the stated radius is informative the proved radii are below it (balls)",
                 radius.proved_below_stated,
                 mutant("a hundredth of the stated radius", factor=Fraction(1, 100)),
-            ),
-            exact(
-                "the radius of the theorem is that of the lemma at $R_1(\\delta/2)$ and $R_2(\\delta/2)$",
-                radius.radius_is_the_lemma,
-                mutant("$\\delta$ instead of $\\delta/2$", half=Fraction(1)),
             ),
             exact(
                 "the constants $\\alpha$, $\\beta$, and the radius with the corollaries' constant 6",
@@ -75,7 +92,7 @@ CLAIMS = (
                 radius.first_useful_n,
                 mutant("a radius below 2", one=Fraction(2)),
             ),
-            exact(
+            agrees(
                 "the composed proved radii are T9 at T7 and T11",
                 transcription.compositions,
                 mutant("$\\delta$ instead of $\\delta/2$", half=1.0),
@@ -94,8 +111,11 @@ CLAIMS = (
         verdict="false",
         statement=r"The radius scales as $O(1/\sqrt n)$.",
         because=r"$\log n$ stands inside $\beta$: the order is $\sqrt{\log(nH)/n}$.",
+        links=refuted_order("offline-radius-rate"),
+        proof=FAMILY["offline radius"],
         evidence=(
             refuted("offline-radius-rate"),
+            unbounded("offline radius", r"as $n \to \infty$: $\sqrt n$ times the radius is at least $\beta$"),
             exact(
                 r"$\sqrt n$ times the radius is 373, 405, 453 at $n = 10^6, 10^9, 10^{12}$ (balls)",
                 radius.growing_scaled_radius,
@@ -182,6 +202,7 @@ CLAIMS = (
         statement=r"""If $H^2(P_*^{\hat\pi}, P_*^{\pi^*}) \le R$ then $C(\hat\pi, \pi^*) \le 1 + 2\sqrt
             R/\gamma_{\min}$.""",
         because="Implied by the sharp bound T5; in the paper's proof two errors cancel, see the appendix lemma.",
+        links=STATED_CONCENTRABILITY_LINKS,
         evidence=(*STATED_CONCENTRABILITY, text("concentrability_stated")),
         repairs=(T5,),
     ),
@@ -195,6 +216,9 @@ CLAIMS = (
             probability $1-\delta$.""",
         because=r"""The factor of $\sqrt{R_2}$ is at least 2, and T9 needs 2, for any policies and without
             $\gamma_{\min}$. The paper's proof uses the technical lemma, which is false.""",
+        links=(*LINKS_OF_THE_LEMMA, link("both events at once, by a union")),
+        proof=r"""By T9 the distance is at most $\sqrt{R_1} + 2\sqrt{R_2}$ where both errors are within their bounds,
+            which fails with probability at most $\delta/2 + \delta/2$.""",
         evidence=(*RADIUS_OF_THE_LEMMA, text("confidence_set_radius")),
         repairs=(T9, T9_DETERMINISTIC),
     ),

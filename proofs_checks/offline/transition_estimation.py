@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from proofs_checks.claim import Claim
-from proofs_checks.evidence import exact, mutant, proved_step, refuted, unsettled
+from proofs_checks.claim import Claim, link
+from proofs_checks.evidence import agrees, cited, exact, mutant, proved_step, refuted
 from proofs_checks.offline.checks import covering, radius
 from proofs_checks.offline.evidence import text
 from proofs_checks.offline.repairs_counts import T10, T11
@@ -69,7 +69,7 @@ CLAIMS = (
         evidence=(
             refuted("offline-transition-ties"),
             text("transition_error_covering"),
-            exact(
+            agrees(
                 "the infimum over the scale, in closed form, against a grid",
                 covering.infimum_is_attained,
                 mutant("5 instead of 6", constant=5),
@@ -81,25 +81,39 @@ CLAIMS = (
         label="lem:transition_covering_number_stationary_tabular_stochastic_transitions",
         name="covering number of kernels",
         topic="offline",
-        verdict="open",
+        verdict="false",
         statement=r"""$\log\mathcal N_{trans}(\varepsilon) \le |S||A|(|S|-1)\log(1/\varepsilon+1)$, for three states
             or more.""",
-        because=r"""A tiling argument on paper refutes it for every sufficiently small $\varepsilon$, but names no
-            $\varepsilon$: there is no instance to replay, and no machine has checked the argument. The paper's proof
-            is wrong.""",
+        because=r"""Given a cited theorem it fails at $|S| = 3$, $|A| = 1$, $\varepsilon = 3/100$: covers of the plane
+            by translates of a triangle have a density of at least $3/2$ (Januszewski), which a smaller cover of kernels
+            would undercut. The paper's proof is wrong.""",
+        links=(
+            link("the numbers at the instance, for the density $3/2$", "offline-triangle-covers"),
+            link("a cover of rows extends to a cover of the plane, and rows multiply"),
+            link("no cover of the plane by translates of a triangle has a smaller density", "cited"),
+        ),
         evidence=(
-            unsettled(
-                """no explicit scale is known at which the lemma fails; a cover that respects it at all scales would
-                tile the plane by translates of a triangle, up to a vanishing fraction"""
+            refuted("offline-triangle-covers"),
+            cited(
+                """Januszewski 2010, Covering the plane with translates of a triangle: the translative covering density
+                of a triangle is 3/2; from memory, not checked here"""
             ),
             text("transition_log_covering_stated"),
         ),
         repairs=(T11,),
-        proof=r"""Three states. A cover element $q$ covers $\{p : p_i \le e^\varepsilon q_i\}$, an inverted triangle
-            of side $\lambda = e^\varepsilon - 1$. If $\mathcal N \le (1/\varepsilon+1)^2$ then $\mathcal N\lambda^2
-            \to 1$: after rescaling, growing triangles are covered by unit inverted triangles with a vanishing
-            overlap. A compactness argument gives a tiling of a large disc by translates of one triangle; at a vertex
-            of one of them no translate fits the angle next to it.""",
+        proof=r"""Three states. A cover element $q$ covers $\{p : p_i \le e^\varepsilon q_i\}$ of each row, a reversed
+            triangle of side $\lambda = e^\varepsilon - 1$ if the triangle of all rows has side 1.
+
+            One row: let $N$ translates cover the triangle, and $M$ the reversed triangle; the evaluator lists such
+            $M$ and checks that they leave no gap. Both together cover a parallelogram, whose translates cover the
+            plane, with the density $(N + M)\lambda^2/2$. So $N \ge 3/\lambda^2 - M$ if no density is below $3/2$.
+
+            Three rows: choose the second and third at random. A product of reversed triangles contains both with
+            probability at most $\lambda^4$, and for every choice those that do cover all first rows, so that there
+            are at least $N$ of them. Hence $\mathcal N \ge N/\lambda^4$.
+
+            Without the theorem: a tiling argument shows that the lemma fails for every sufficiently small
+            $\varepsilon$, and names none.""",
     ),
     Claim(
         label="lem:transition_covering_number_stationary_tabular_stochastic_transitions",
@@ -149,6 +163,10 @@ CLAIMS = (
         statement=r"$H^2(\hat P^{\pi^*}, P_*^{\pi^*}) \le O(|S|^2|A|\log(nH/\delta)/n)$ with probability $1-\delta$.",
         because=r"""T11 proves it with the constant 4 (for $nH \ge 2$ or $\delta \le 1/2$). The paper's proof rests on
             the two false statements before it and drops $+1$ and $-1$ in the unsafe direction.""",
+        links=(
+            link("the bound with the constant 4", T11),
+            link("the O-form is a quarter of it", "rate_has_unit_constant"),
+        ),
         evidence=(
             *STATED_ERROR,
             exact(

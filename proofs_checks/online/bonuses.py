@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from proofs_checks.claim import Claim, Repair
-from proofs_checks.evidence import cited, covered, exact, mutant, proved, proved_step, refuted
+from proofs_checks.claim import Claim, Repair, link
+from proofs_checks.evidence import agrees, cited, covered, exact, mutant, proved, proved_step, refuted
 from proofs_checks.online.checks import bonus, transcription
 from proofs_checks.online.evidence import text
 
@@ -31,6 +31,12 @@ R6 = Repair(
         "transitions come from the real, stationary environment",
         "given the past and the first trajectory of a round, the second still follows the real dynamics",
         "counts are of the transitions in steps 1 to H-1",
+    ),
+    links=(
+        link("every estimated row stays within its radius, for all pairs and counts", "rows_are_covered"),
+        link("the failure probabilities of all counts add up", "weights_sum_to_one"),
+        link("total variation is at most the expected sum of row errors", "hybrid_argument"),
+        link("the sum under the estimate is at most $H$ times the one under the truth", "estimated_sum"),
     ),
     evidence=(
         exact(
@@ -68,6 +74,10 @@ R6 = Repair(
 C8 = Repair(
     name="C.8",
     title="the printed bonus, defined for every count",
+    links=(
+        link("it has no value at the counts that are defined anew", "undefined_counts"),
+        link("the stitched bound for larger counts", "cited"),
+    ),
     statement=r"$\xi := 2\eta$ for $N \le 1$, else as printed; for real transitions, a fixed policy and a fixed "
     r"function.",
     evidence=(
@@ -95,6 +105,17 @@ _LINEAR = proved_step(
     r"$\xi(2\eta) = 2\xi(\eta)$",
     bonus.linear_in_eta,
     mutant("three times", factor=3),
+)
+
+_RELATION_LINKS = (
+    link("the two inequalities give the stated one and the centred one", "relation_of_bonuses"),
+    link("$\\xi$ is linear in $\\eta$", "linear_in_eta"),
+    link("both inequalities hold for $f = \\sum\\xi$ on the uniform event"),
+)
+_RELATION_PROOF = (
+    r"On the uniform event $\operatorname{E}_{\hat P}f \le \operatorname{E}_{P^*}f + B + \varepsilon$ for the random "
+    r"function $f = \sum\xi$, whose values lie in $[0, 2H\eta]$; the left side is $\hat B$, "
+    r"and $\operatorname{E}_{P^*}f \le B$ because $\xi$ grows with its failure probability and its scale."
 )
 
 CLAIMS = (
@@ -146,7 +167,7 @@ CLAIMS = (
                 "coverage_failure",
                 "covered_bonus",
             ),
-            exact(
+            agrees(
                 "the bonuses of a policy are sums over occupancies and counts",
                 transcription.tables,
                 mutant("a thousandth more", factor=1.001),
@@ -209,6 +230,8 @@ CLAIMS = (
         assumptions=(
             r"the uniform bonus lemma for the random function $f = \sum\xi$, with $\xi = 2\eta$ at $N \le 1$",
         ),
+        links=_RELATION_LINKS,
+        proof=_RELATION_PROOF,
         evidence=(_RELATION, _LINEAR),
         repairs=(R6,),
     ),
@@ -224,6 +247,8 @@ CLAIMS = (
         assumptions=(
             r"the uniform bonus lemma for the random function $f = \sum\xi$, with $\xi = 2\eta$ at $N \le 1$",
         ),
+        links=_RELATION_LINKS,
+        proof=_RELATION_PROOF,
         evidence=(_RELATION, _LINEAR),
         repairs=(R6,),
     ),

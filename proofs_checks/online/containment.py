@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from proofs_checks.claim import Claim, Repair
+from proofs_checks.claim import Claim, Repair, link
 from proofs_checks.evidence import Evidence, covered, mutant, proved_step, refuted, unsettled
+from proofs_checks.online.bonuses import R6
 from proofs_checks.online.checks import containment, environments
 from proofs_checks.online.evidence import text
+from proofs_checks.online.weights import R1
 
 FAMILIES = ("garnet", "dense garnet", "chain", "starmdp", "gridworld", "frozenlake")
 
@@ -43,6 +45,11 @@ R2 = Repair(
     r"$1 - \delta_{\text{off}} - \delta_w$, and is never empty. With unknown dynamics: $\phi^{\hat P_t}$ for $\phi$, "
     r"$b_t(\pi) + b_t(\pi')$ added on the left, and $\delta_P$ spent too.",
     assumptions=("trajectories come from the real environment", "the offline set contains the best policy"),
+    links=(
+        link("the width covers the weights", R1),
+        link("with unknown dynamics, the bonuses cover the features", R6),
+        link("then no policy is better than the best one beyond width and bonuses", "containment"),
+    ),
     evidence=(_IMPLICATION, *RUNS_KNOWN, *RUNS_UNKNOWN),
     proof=r"On the events of the offline set and of R1: $0 \le \langle\phi^* - \phi', w^*\rangle \le "
     r"\langle\phi^* - \phi', w_t\rangle + \lVert\phi^* - \phi'\rVert_{V_t^{-1}}\lVert w_t - w^*\rVert_{V_t}$. With "
@@ -63,6 +70,12 @@ R4 = Repair(
     r"optimistic advantage over each policy played; and $R_T \le B_{\text{hind}}$, the largest optimistic regret in "
     r"hindsight over $\Pi_{\text{off}}$ with the weights and the matrix after round $T$. Always $R_T \le 2BWT$.",
     assumptions=("containment (R2)", "the width bound needs the exact arg-max pair; the other two do not"),
+    links=(
+        link("the best policy is in every set", R2),
+        link("a round's regret is at most twice the width of the pair played", "regret_from_width"),
+        link("the optimistic bound is below the width", "refined_width"),
+        link("the sums over the rounds, and the bound in hindsight", "good_runs"),
+    ),
     evidence=(
         proved_step(
             r"$r_t \le 2O_t(\pi_t^1, \pi_t^2)$ from $\pi^*, \pi_t^1, \pi_t^2 \in \Pi_t$ and the arg-max",
@@ -87,6 +100,27 @@ R4 = Repair(
     r"$\pi^*$ and $w^*$ are one point each and $R_T = \langle m_{\pi^*}, w^*\rangle$ with the sum $m_\pi$ of "
     r"$\phi(\pi) - \frac12(\phi(\pi_t^1) + \phi(\pi_t^2))$ over the rounds.",
     formulas=("regret_trivial", "regret_diameter", "regret_optimism", "regret_width", "regret_hindsight"),
+)
+
+_IN_EVERY_SET = (
+    r"With probability at least $1 - \delta^{\text{online}}$, $\pi^* \in \Pi_t \subseteq \Pi_{\text{off}}$ for all "
+    r"$t \le T$."
+)
+PRINTED_ALGORITHM = (
+    r"Take the instance of line 8: playing $a$ wins with probability $3/5$, which is worth more than $b$ in "
+    r"expectation, "
+    r"and one demonstration of $a$ was lost, with probability $2/5$. The estimate of that row is certain of "
+    r"losing, and so "
+    r"is every trajectory drawn from it: the row never changes, whatever is played. Its bonus falls with the counts, "
+    r"below the error of the estimate. The answers compare losing with $b$ and teach that $b$ is better than losing, "
+    r"which it is; the width of that comparison shrinks with the number of times it is made, up to logarithms, and "
+    r"while both policies are in the set the pair of both is among those with the largest objective. So there is a "
+    r"round after which the best policy is excluded, and every later round costs $\frac15BW$: the regret is linear in "
+    r"$T$ with probability at least $2/5$, more than $\delta$."
+)
+PRINTED_ALGORITHM_LINKS = (
+    link("the bonus is too small for good, with a probability above $\\delta$", "online-sampling-from-the-estimate"),
+    link("then the best policy is excluded, and every later round costs the same"),
 )
 
 CLAIMS = (
@@ -116,13 +150,28 @@ CLAIMS = (
         label="lem:online_confidence_set",
         name="best policy in every set, unknown dynamics",
         topic="online",
+        verdict="false",
+        statement=_IN_EVERY_SET,
+        because="As printed, for the printed algorithm: with trajectories from the estimate (line 8) the best "
+        "policy is "
+        "excluded with probability 2/5. What is left open is the lemma for trajectories of the real "
+        "environment, see the "
+        "next entry.",
+        links=PRINTED_ALGORITHM_LINKS,
+        evidence=(refuted("online-sampling-from-the-estimate"),),
+        repairs=(R2,),
+        proof=PRINTED_ALGORITHM,
+    ),
+    Claim(
+        label="lem:online_confidence_set",
+        part="repaired algorithm",
+        name="best policy in every set, trajectories of the real environment",
+        topic="online",
         verdict="open",
-        statement=r"With probability at least $1 - \delta^{\text{online}}$, $\pi^* \in \Pi_t \subseteq "
-        r"\Pi_{\text{off}}$ for all "
-        r"$t \le T$.",
+        statement=_IN_EVERY_SET + " Here line 8 of the algorithm samples from the real environment.",
         because="Its proof uses the norm relation of the last round in all rounds, an undefined norm relation, bonuses "
         "without a value at small counts, and a budget of five events where two of them cost "
-        r"$\delta(1 + \log_2T)$; with trajectories from the estimate (algorithm, line 8) its bonus event fails.",
+        r"$\delta(1 + \log_2T)$.",
         evidence=(unsettled("no counterexample is known for trajectories of the real environment"),),
         repairs=(R2,),
     ),
@@ -153,6 +202,10 @@ CLAIMS = (
         because="The proof turns a constraint of the best policy around; the constraints of the policies played are "
         "needed.",
         assumptions=("containment in every round", r"$\gamma_t$ does not decrease"),
+        links=(
+            link("a round's regret is at most twice the width of the pair played", "regret_from_width"),
+            link("the sum over the rounds, with the last multiplier for all"),
+        ),
         evidence=R4.evidence[:1],
         repairs=(R4,),
         proof=r"The paper reads $\langle\Delta^{*,i}, w\rangle + \gamma\lVert\Delta\rVert \ge 0$ as "

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from proofs_checks.claim import Claim, Repair
-from proofs_checks.evidence import covered, exact, mutant, proved_step, refuted
+from proofs_checks.claim import Claim, Repair, link
+from proofs_checks.evidence import covered, exact, mutant, proved, proved_step, refuted
 from proofs_checks.online.checks import containment, offline_gain, potential
 from proofs_checks.online.containment import R4
-from proofs_checks.online.evidence import text, unbounded
+from proofs_checks.online.evidence import FAMILY, refuted_order, text, unbounded
 from proofs_checks.online.matrices import SUPERMARTINGALE, SUPERMARTINGALE_PROOF
 from proofs_checks.online.offline_gain import R8
 
@@ -19,6 +19,11 @@ _PRICE = proved_step(
 R3 = Repair(
     name="R3",
     title="elliptical potential",
+    links=(
+        link("$c(a)$ is the price of the steepest step: $u/\\log(1+u)$ rises", "price_of_a_step"),
+        link("the determinant recursion and both sums", "determinant_recursion"),
+        link("$c(a) \\le 2$ exactly up to the stated number", "factor_two_range"),
+    ),
     statement=r"For $\lVert x_t\rVert \le L$, $V_1 = vI$, $V_{t+1} = V_t + x_tx_t^\top$, $a = L^2/v$ and "
     r"$c(a) = a/\log(1+a)$: $$\sum_t\lVert x_t\rVert^2_{V_t^{-1}} \le c(a)\,d\log\Bigl(1 + \frac{\sum_t\lVert "
     r"x_t\rVert^2}"
@@ -53,6 +58,14 @@ R3 = Repair(
 R5 = Repair(
     name="R5",
     title="a-priori regret, known dynamics",
+    links=(
+        link("regret from the widths of the pairs played", R4),
+        link("the two inequalities behind the supermartingale", "exponential_moment"),
+        link("expected squared widths are at most the potential, for all times", "expected_potential"),
+        link("the potential", R3),
+        link("the trivial bound of the offline set", R8),
+        link("Cauchy-Schwarz over the rounds, and $e_t \\le \\beta_t$ after an exact projection"),
+    ),
     statement=r"With $\kappa = 2 + 2\cosh(2BW)$, $a = 4B^2/(\kappa\lambda)$ and $\Psi_T = \frac{e}{e-1}[c(a)d\log(1 + "
     r"\frac{4TB^2}{d\kappa\lambda}) + a\log\frac1{\delta_F}]$: with probability at least "
     r"$1 - \delta_{\text{off}} - \delta_w - \delta_F$, for all $T$, $$R_T \le \min\{TWD_{\text{off}},\ 2BWT\Delta_n,\ "
@@ -77,6 +90,11 @@ R5 = Repair(
 R11 = Repair(
     name="R11",
     title="what offline data gain in the potential",
+    links=(
+        link(r"$\log(1+x) \ge x\log2$ on $[0,1]$", "logarithm_above_chord"),
+        link("the floor, in both cases and for all settings", "floor_in_both_cases"),
+        link(r"the two cases are all: $c \ge 1$, and the logarithm rises"),
+    ),
     statement=r"If $\gamma \ge 2W\sqrt{\kappa\lambda}$ then $2\gamma\sqrt{Tc\,d\log(1 + TD^2/(d\kappa\lambda))} \ge "
     r"\min\{3.3\,TWD,\ 2\gamma\sqrt{dT\log2}\}$: beyond the trivial bound $TWD$ offline data gain only inside a "
     r"logarithm.",
@@ -87,7 +105,12 @@ R11 = Repair(
             mutant("a tenth more", factor="11/10"),
         ),
         proved_step(
-            r"the bound is above the floor for $T \le 8$, $D \in [1/2, 2]$",
+            r"with $\log 2 \ge 69/100$ the squares of both sides are in order, for all settings (Z3)",
+            potential.floor_in_both_cases,
+            mutant("3.4 instead of 3.3", share="34/10"),
+        ),
+        proved_step(
+            r"the formula of bridge_theory is above the floor for $T \le 8$, $D \in [1/2, 2]$",
             potential.floor_of_the_log_bound,
             mutant("twice the floor", scale=2),
         ),
@@ -111,6 +134,10 @@ _TRIVIAL_ASSUMPTIONS = (
     "all policies are deterministic",
     r"$TB \ge e\kappa\delta$, so that the logarithm in $\Gamma$ is at least 1",
 )
+_TRIVIAL_LINKS = (
+    link("the trivial bound of the offline set", R8),
+    link(r"$BWx$ is at most the stated order, for all settings", "trivial_regime"),
+)
 
 CLAIMS = (
     Claim(
@@ -132,7 +159,13 @@ CLAIMS = (
         verdict="true",
         statement=r"$\sum_ta_t \le \sqrt{T\sum_ta_t^2}$.",
         because="Cauchy-Schwarz; without the square it fails as soon as the sum exceeds T.",
-        evidence=(proved_step("two rounds", containment.cauchy_schwarz, mutant("without the squares", exponent=1)),),
+        evidence=(
+            proved(
+                "one round, and the step from $T$ rounds to $T + 1$ (Z3)",
+                containment.cauchy_schwarz,
+                mutant("without the squares", exponent=1),
+            ),
+        ),
     ),
     Claim(
         label="lemma:feature_diff_bound",
@@ -172,6 +205,8 @@ CLAIMS = (
         because=r"$\Gamma$ vanishes with $W$ faster than $\kappa\beta_T$ does: the term $\kappa\sqrt{d\log T}$ was "
         r"dropped, and "
         r"$\sqrt T$ is missing.",
+        links=refuted_order("online-known-rate"),
+        proof=FAMILY["known rate"],
         evidence=(
             refuted("online-known-rate"),
             unbounded(
@@ -190,7 +225,15 @@ CLAIMS = (
         r"place of "
         r"$\sqrt T$, potentially constant regret.",
         because="It rests on the theorem above; what is true of large $n$ is the trivial bound R8.",
-        evidence=(refuted("online-linear-regret"),),
+        links=refuted_order("online-linear-regret"),
+        proof=FAMILY["known rate"],
+        evidence=(
+            refuted("online-linear-regret"),
+            unbounded(
+                "known rate",
+                r"as $T \to \infty$ with $W = 1/\sqrt T$, $B = 1/2$, where both actions are compared in every round",
+            ),
+        ),
         repairs=(R8, R11),
     ),
     Claim(
@@ -232,7 +275,12 @@ CLAIMS = (
         because=r"$\Gamma$ vanishes at $TB = \kappa\delta$ and is negative below, while the first round may cost $BW$. "
         r"As derived it is false by $\sqrt T$, too; where the logarithm is at least 1, its order is true for "
         "deterministic policies, for a trivial reason.",
-        evidence=(refuted("online-small-horizon"),),
+        links=refuted_order("online-small-horizon"),
+        proof=FAMILY["vanishing scale"],
+        evidence=(
+            refuted("online-small-horizon"),
+            unbounded("vanishing scale", r"as $TB/(\kappa\delta)$ falls to 1, where $\Gamma$ vanishes"),
+        ),
         repairs=(R8,),
     ),
     Claim(
@@ -245,6 +293,7 @@ CLAIMS = (
         r"24\log(|\mathcal A|/\delta)\,\Gamma\sqrt{T|\mathcal S|/(nd)}$.",
         because=_TRIVIAL_REASON,
         assumptions=_TRIVIAL_ASSUMPTIONS,
+        links=_TRIVIAL_LINKS,
         evidence=(_TRIVIAL_REGIME,),
         repairs=(R8,),
     ),
@@ -256,7 +305,12 @@ CLAIMS = (
         statement=r"For $T|\mathcal S| \approx nd$: $R_T = O(\Gamma)$.",
         because=r"$\Gamma$ vanishes at $TB = \kappa\delta$ and is negative below, while the first round may cost $BW$; "
         "where the logarithm is at least 1, the order is true for deterministic policies, for a trivial reason.",
-        evidence=(refuted("online-transition"),),
+        links=refuted_order("online-transition"),
+        proof=FAMILY["vanishing scale"],
+        evidence=(
+            refuted("online-transition"),
+            unbounded("vanishing scale", r"as $TB/(\kappa\delta)$ falls to 1, where $\Gamma$ vanishes"),
+        ),
         repairs=(R8,),
     ),
     Claim(
@@ -269,6 +323,7 @@ CLAIMS = (
         r"24\log(|\mathcal A|/\delta)\,\Gamma$.",
         because=_TRIVIAL_REASON,
         assumptions=_TRIVIAL_ASSUMPTIONS,
+        links=_TRIVIAL_LINKS,
         evidence=(_TRIVIAL_REGIME,),
         repairs=(R8,),
     ),
@@ -296,6 +351,8 @@ CLAIMS = (
         verdict="false",
         statement=r"For $T|\mathcal S| \gg nd$: $R_T = O(\Gamma\sqrt{\log T})$.",
         because=r"The regret grows linearly while the sets cannot exclude the worse policy; $\sqrt T$ is missing.",
+        links=refuted_order("online-large-horizon"),
+        proof=FAMILY["large horizon"],
         evidence=(
             refuted("online-large-horizon"),
             unbounded(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from proofs_checks.claim import Claim, Repair
+from proofs_checks.claim import Claim, Repair, link
 from proofs_checks.evidence import cited, covered, mutant, proved, proved_step, refuted
 from proofs_checks.online.checks import matrices
 from proofs_checks.online.evidence import text
@@ -35,6 +35,13 @@ R9 = Repair(
     r"\alpha'_T$ "
     r"with $\alpha'_T = 2W\sqrt{27B^2d\log((1+2T)/\delta)}$ on the event of R1.",
     assumptions=("one comparison a round; the projection is exact",),
+    links=(
+        link("the two inequalities behind the supermartingale", "exponential_moment"),
+        link("sums of conditional means stay below their sums, for all times", "means_are_dominated"),
+        link("the net over the directions: the matrix inequality", "expected_matrix_is_covered"),
+        link("the constants are rounded up", "rounded_constants"),
+        link("from the matrices to the norm of the error, on the event of R1"),
+    ),
     evidence=(
         *SUPERMARTINGALE,
         proved_step(
@@ -82,6 +89,7 @@ CLAIMS = (
         r"probability "
         r"at least $1-\delta$.",
         because="Cited by the paper; R9 proves it for all $t \\le T$ at once with 27 in place of 84.",
+        links=(link("the relation with 27 in place of 84, for all rounds at once", R9),),
         evidence=R9.evidence[-2:],
         repairs=(R9,),
     ),
@@ -136,6 +144,10 @@ CLAIMS = (
                 statement=r"On the event of R6, for every vector $z$ with $\lVert z\rVert \le 2W$ and all $t$: "
                 r"$\lVert z\rVert_{\overline V_t} \le \sqrt2\lVert z\rVert_{\overline V_t^{P^*}} + "
                 r"2\sqrt{\sum_i\sum_{l<t}b_l(\pi_l^i)^2}$ with bonuses at $\eta = 2WB$.",
+                links=(
+                    link("doubling the squares, twice", "doubling"),
+                    link("the sum over the rounds, on the event of R6"),
+                ),
                 evidence=(
                     proved_step(
                         r"$(a+b)^2 \le 2a^2 + 2b^2$, once for the error and once for the two policies",

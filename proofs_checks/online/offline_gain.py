@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
-from proofs_checks.claim import Claim, Repair
-from proofs_checks.evidence import exact, mutant, proved_step
+from proofs_checks.claim import Claim, Repair, link
+from proofs_checks.evidence import agrees, exact, mutant, proved_step
 from proofs_checks.online.checks import environments, offline_gain
 
 R8 = Repair(
     name="R8",
     title="what offline data give every algorithm",
+    links=(
+        link("(a)", "deterministic_laws"),
+        link("(b)", "transfer_between_kernels"),
+        link("(c) the probability that the version space is wide", "version_space"),
+        link("(c) the regret inside the set is at most $2BW$ times the total variation, a round"),
+    ),
     statement=r"(a) For deterministic policies $\operatorname{TV}(P^\pi, P^{\pi'}) = H^2 = P^{\pi'}(\text{visit } s : "
     r"\pi(s) \ne "
     r"\pi'(s))$. (b) For all policies and kernels $\lvert\operatorname{TV}(P^\pi, P^{\pi'}) - \operatorname{TV}(Q^\pi, "
@@ -35,14 +41,14 @@ R8 = Repair(
             offline_gain.version_space,
             mutant("half of each bound", share=0.5),
         ),
-        exact(
+        agrees(
             "StarMDP: the expert is at radius zero, features differ by at most $4Br^2$",
             environments.offline_geometry,
             mutant("a fifth of the diameter", factor=0.2),
             environment="starmdp",
         ),
         *(
-            exact(
+            agrees(
                 f"{name}: the expert is at radius zero, features differ by at most $4Br^2$",
                 environments.offline_geometry,
                 mutant("a fifth of the diameter", factor=0.2),
@@ -71,6 +77,11 @@ R8 = Repair(
 R10 = Repair(
     name="R10",
     title="coverage of the expert's pairs",
+    links=(
+        link("the Chernoff bound for one pair", "chernoff"),
+        link("what a covered pair costs", "covered_bonus"),
+        link("the union over the pairs, and the policies that leave them"),
+    ),
     statement=r"With probability at least $1 - |S_{\text{reach}}|e^{-n\gamma_{\min}/8}$ every pair of the expert has "
     r"at least "
     r"$n\gamma_{\min}/2$ recorded transitions. Then for every policy $\operatorname{E}_{P_*^\pi}\sum_{h<H}\xi_t \le "

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from proofs_checks.claim import Claim, Repair
-from proofs_checks.evidence import exact, mutant, proved_step, refuted, unsettled
+from proofs_checks.claim import Claim, Repair, link
+from proofs_checks.evidence import agrees, exact, mutant, proved_step, refuted, unsettled
 from proofs_checks.online.bonuses import R6
 from proofs_checks.online.checks import bonus, companions, containment, offline_gain, transcription
 from proofs_checks.online.checks.transcription_regret import REGRET
-from proofs_checks.online.containment import R4, RUNS_UNKNOWN
-from proofs_checks.online.evidence import directions, text, unbounded
-from proofs_checks.online.known import R3
+from proofs_checks.online.containment import PRINTED_ALGORITHM, PRINTED_ALGORITHM_LINKS, R4, RUNS_UNKNOWN
+from proofs_checks.online.evidence import FAMILY, directions, refuted_order, text, unbounded
+from proofs_checks.online.known import R3, R5
 from proofs_checks.online.matrices import SUPERMARTINGALE
 from proofs_checks.online.offline_gain import R8, R10
 
@@ -25,6 +25,15 @@ R7 = Repair(
     r"\delta_M$, $$R_T \le \min\Bigl\{2BWT\Delta_n,\ 4\kappa\beta_T\sqrt{T\Psi_T} + \Bigl(\frac{4\kappa\beta_TB}"
     r"{\sqrt{\kappa\lambda}} + 2BWH\Bigr)\Gamma_T\Bigr\}.$$",
     assumptions=("exact arg-max pairs after an exact projection", "the events of R1, R2, R5 and R6"),
+    links=(
+        link("the regret from widths and bonuses of the pairs played", R4),
+        link("the widths, as with known dynamics", R5),
+        link("the bonuses bound what the estimate changes", R6),
+        link("radii that are frozen within a round sum to the stated order", "batches"),
+        link("sums of conditional means stay below their sums, for all times", "means_are_dominated"),
+        link("the trivial bound of the offline set", R8),
+        link("Cauchy-Schwarz over the pairs, and the sum of all parts"),
+    ),
     evidence=(
         exact(
             r"radii frozen within a round sum to at most $4m1\{N_{\text{off}}<m\} + "
@@ -50,16 +59,38 @@ R7 = Repair(
 
 _CLASSICAL = unsettled("no proof and no counterexample for trajectories of the real environment")
 
+_MAIN_RESULT = (
+    r"With probability at least $1-\delta$: $R_T \le \tilde O(\sqrt T\sqrt{\log(1+T/n)} + "
+    r"\sqrt T/\sqrt{n\gamma_{\min}})$."
+)
+
 CLAIMS = (
     Claim(
         label="thm:main_simplified",
         name="main result",
         topic="regret",
+        verdict="false",
+        statement=_MAIN_RESULT,
+        because="As printed, for the printed algorithm: line 8 samples trajectories from the estimate, which "
+        "then never "
+        r"learns better, and the regret is linear in $T$ with probability 2/5. What is left open is the theorem "
+        r"for the "
+        "algorithm with that line repaired, see the next entry.",
+        links=PRINTED_ALGORITHM_LINKS,
+        evidence=(refuted("online-sampling-from-the-estimate"),),
+        repairs=(R7, R8),
+        proof=PRINTED_ALGORITHM,
+    ),
+    Claim(
+        label="thm:main_simplified",
+        part="repaired algorithm",
+        name="main result, trajectories of the real environment",
+        topic="regret",
         verdict="open",
-        statement=r"With probability at least $1-\delta$: $R_T \le \tilde O(\sqrt T\sqrt{\log(1+T/n)} + "
-        r"\sqrt T/\sqrt{n\gamma_{\min}})$.",
-        because="Not proved by the paper, and for the printed algorithm (line 8) the bonus it rests on fails. For the "
-        r"repaired algorithm the order in $(T, n)$ holds as the minimum of R7 and of the trivial bound R8.",
+        statement=_MAIN_RESULT + " Here line 8 of the algorithm samples from the real environment.",
+        because=r"Not proved by the paper. The order in $(T, n)$ holds as the minimum of R7 and of the trivial "
+        r"bound R8, "
+        "up to factors that depend on everything else.",
         evidence=(_CLASSICAL,),
         repairs=(R7, R8),
     ),
@@ -73,6 +104,8 @@ CLAIMS = (
         r"T\sqrt{\log(1+T/n)} + "
         r"\sqrt T/\sqrt{n\gamma_{\min}})$.",
         because=r"The ratio grows like $n^{1/4}$.",
+        links=refuted_order("online-simplified-rate"),
+        proof=FAMILY["simplified rate"],
         evidence=(refuted("online-simplified-rate"), unbounded("simplified rate", r"as $n \to \infty$ with $T = 100$")),
         repairs=(R7,),
     ),
@@ -84,6 +117,10 @@ CLAIMS = (
         verdict="true, proof wrong",
         statement=r"For fixed $T$ the regret vanishes as $n \to \infty$.",
         because="True for any algorithm that stays in the offline set, by R8; the online stage plays no part in it.",
+        links=(
+            link("the trivial bound of the offline set, which vanishes with $n$", R8),
+            link("for $n \\ge T$ the first term is of the same order", "growth_of_the_first_term"),
+        ),
         evidence=(
             *R8.evidence[:3],
             proved_step(
@@ -99,11 +136,14 @@ CLAIMS = (
         label="local:main_simplified_display",
         name="main result, display",
         topic="regret",
-        verdict="open",
+        verdict="false",
         statement=r"$R_T \le \tilde O(\sqrt T\sqrt{\log(1+T/n)} + \sqrt T/\sqrt{n\gamma_{\min}})$.",
-        because="The display of the theorem above.",
-        evidence=(_CLASSICAL,),
+        because="The display of the theorem above: false for the printed algorithm, open for the one with line "
+        "8 repaired.",
+        links=PRINTED_ALGORITHM_LINKS,
+        evidence=(refuted("online-sampling-from-the-estimate"),),
         repairs=(R7, R8),
+        proof=PRINTED_ALGORITHM,
     ),
     Claim(
         label="lemma:regret_analysis",
@@ -172,12 +212,12 @@ CLAIMS = (
         evidence=(
             text(*REGRET),
             directions("regret"),
-            exact(
+            agrees(
                 "the formulas are defined up to the limits of their statements and not beyond",
                 transcription.edges,
                 mutant("limits in the other direction", shift=-1e-6),
             ),
-            exact(
+            agrees(
                 "trivial values and failure probabilities of the formulas agree with their text",
                 companions.companions,
                 mutant("a thousandth more", factor=1.001),
@@ -236,6 +276,8 @@ CLAIMS = (
         because="Actions without demonstrations cost a constant each; the first term of the lemma before does not "
         "fall with n "
         "either.",
+        links=refuted_order("online-squared-bonus-rate"),
+        proof=FAMILY["squared bonuses"],
         evidence=(
             refuted("online-squared-bonus-rate"),
             unbounded("squared bonuses", r"as $T \to \infty$ with $2T+1$ actions, where the left side is $4(T-1)$"),
@@ -250,6 +292,8 @@ CLAIMS = (
         statement=r"$\sqrt{T\sum_t\lVert\delta\pi_t\rVert_{\overline V_t^{-1}}} \le \sqrt{T\log(1 + \tilde "
         r"O(\cdot)/d)}$.",
         because=r"The potential bounds the sum of squares, not of norms, and the factor $2d$ is missing.",
+        links=refuted_order("online-term-2"),
+        proof=FAMILY["term 2"],
         evidence=(
             refuted("online-term-2"),
             unbounded(
@@ -275,6 +319,7 @@ CLAIMS = (
                 name="D.8",
                 title="three squares",
                 statement=r"$\lVert a + b + c\rVert^2 \le 3(\lVert a\rVert^2 + \lVert b\rVert^2 + \lVert c\rVert^2)$.",
+                links=(link("one coordinate", "three_terms"), link("the sum over the coordinates")),
                 evidence=(proved_step("coordinatewise", bonus.three_terms, mutant("factor 2", factor=2)),),
                 proof="Cauchy-Schwarz with three ones.",
             ),
@@ -299,6 +344,8 @@ CLAIMS = (
         verdict="false",
         statement=r"$\sum_{t\le T}\frac{t}{n(n+t)} = O(\min\{T/n, \log T\})$.",
         because=r"The sum is $T/n - (H_{n+T} - H_n)$, of the order $T/n$ when $T$ is larger than $n$.",
+        links=refuted_order("online-drift-sum"),
+        proof=FAMILY["drift sum"],
         evidence=(
             refuted("online-drift-sum"),
             unbounded("drift sum", r"as $T \to \infty$ with $n = 1$, where the sum is at least $T/2$"),

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from proofs_checks.claim import Claim, Repair
-from proofs_checks.evidence import covered, mutant, proved_step, refuted, unsettled
-from proofs_checks.online.checks import link, weights
+from proofs_checks.claim import Claim, Repair, link
+from proofs_checks.evidence import cited, covered, mutant, proved_step, refuted, unsettled
+from proofs_checks.online.checks import link as curvature
+from proofs_checks.online.checks import weights
 from proofs_checks.online.evidence import directions, text
 from proofs_checks.online.setting import NONNEGATIVE
 
@@ -25,6 +26,13 @@ R1 = Repair(
     r"$\lVert w\rVert \le W$, however it was found: $\lVert w - w^*\rVert_{V_t} \le \kappa(\beta_t + e_t(w))$ with the "
     r"computable error $e_t(w) = \lVert g_t(w) - s_t\rVert_{V_t^{-1}}$. If no feature is negative, the same holds with "
     r"$\kappa = 2 + 2\cosh(\sqrt2BW)$ throughout.",
+    links=(
+        link("$\\beta_t$ bounds the noise and the regulariser, for all rounds at once", "weights_are_covered", "cited"),
+        link("the slope between the two weights is at least $1/\\kappa$", "largest_at_the_end"),
+        link("so the matrices are ordered, eigenvalue by eigenvalue", "matrix_step"),
+        link("the mean value of $g_t$ along the segment, and the triangle inequality"),
+        link(r"without negative coordinates differences have norm at most $\sqrt2B$", "nonnegative_difference"),
+    ),
     assumptions=(
         "features and weights are bounded, answers follow the Bradley-Terry model of the sampled trajectories",
         "features are exact, and every comparison made enters the data matrix",
@@ -34,7 +42,7 @@ R1 = Repair(
         proved_step(
             r"$1/\sigma'(x) = 2 + 2\cosh x$ rises with $|x|$, so the mean slope between $w$ and $w^*$ is at least "
             r"$1/\kappa$",
-            link.largest_at_the_end,
+            curvature.largest_at_the_end,
             mutant("the other sign", sign=-1),
         ),
         covered(
@@ -50,6 +58,7 @@ R1 = Repair(
             mutant("a third of beta_t", scale=0.33),
             nonnegative=True,
         ),
+        cited("Abbasi-Yadkori, Pal and Szepesvari 2011, Theorem 1: the self-normalised bound"),
     ),
     proof=r"The noise $\varepsilon_l = o_l - \sigma(\langle x_l, w^*\rangle)$ is $\frac12$-sub-Gaussian (Hoeffding), "
     r"so "

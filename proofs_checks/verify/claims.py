@@ -81,7 +81,11 @@ class Replay:
         return expectations(kernel, facts.initial, facts.policies, facts.table, costs, horizon)[1]
 
     def _membership(self, t: int, scores: FloatArray, z: FloatArray, gamma: float, bonus: FloatArray) -> None:
-        """The size of Pi_t, that the pair lies in it, and that the rule chooses this pair."""
+        """The size of Pi_t, that the pair lies in it, and that the rule chooses this pair.
+
+        The rules are the paper's, but that the maximum is over pairs of two policies: a policy with itself compares
+        nothing, and is played only where it alone is left. The bounds ask for no more (audit R4).
+        """
         pair, rule = self.facts.pairs[t - 1], self.facts.configuration["pair_rule"]
         reach = 2 * float(np.linalg.norm(z - z.mean(axis=0), axis=1).max())
         size = float(np.abs(scores).max() + bonus.max()) + gamma * reach
@@ -96,9 +100,12 @@ class Replay:
         for i in pair:
             if highest[i] < -allowance:
                 self._fault(t, f"policy {i} of the stored pair is not inside Pi_t")
+        first, second = pair
+        if (first == second) != (claim == 1):
+            played = "a policy with itself" if first == second else "two policies"
+            self._fault(t, f"the stored pair is of {played}, but the policies left are claimed to be {claim}")
         if not inside.any():
             return
-        first, second = pair
         distance = float(np.linalg.norm(z[first] - z[second]))
         if rule == "uncertainty_and_bonus":
             best, value = widest(z[inside], gamma, bonus[inside]), gamma * distance + bonus[first] + bonus[second]

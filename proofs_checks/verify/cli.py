@@ -61,6 +61,8 @@ def _paths(run: Path, seed: int | None) -> list[Path]:
             raise InputError(f"{run} holds no log of seed {seed}; choose another, or 'bridge-rl run ... --log' again.")
         return [log_path(run, seed)]
     paths = log_files(run)
+    if not run.exists():
+        raise InputError(f"{run} does not exist; give a directory that 'bridge-rl run ... --log --out' wrote.")
     if not paths:
         raise InputError(f"{run} holds no logs (log-*.npz); make some with 'bridge-rl run ... --log --out {run}'.")
     return paths

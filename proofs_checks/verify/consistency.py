@@ -36,6 +36,7 @@ def contradictions(facts: Facts) -> list[str]:
         *_answers(facts),
         *_weights(facts),
         *_candidates(facts),
+        *_repetitions(facts),
         *_version_space(facts),
     ]
 
@@ -141,14 +142,20 @@ def _candidates(facts: Facts) -> list[str]:
     config, found = facts.configuration, len(facts.policies)
     _, n_states, n_actions, _ = facts.table.places.shape
     every, limit = n_actions**n_states, config["candidate_limit"]
+    if facts.algorithm == "pbrl" and every <= limit:
+        return [] if found == every else [f"the log searches {found} policies, its configuration {every}"]
     if facts.algorithm == "pbrl":
-        wanted = every if every <= limit else config["search_size"]
-        distinct = len(np.unique(facts.policies, axis=0))
-        if found != wanted or (every <= limit and distinct != every):
-            return [f"the log searches {found} policies, {distinct} of them different, its configuration {wanted}"]
-        return []
-    most = limit if config["candidates"] == "exact" else config["proposals"]
+        most = config["search_size"]
+    else:  # the clone may join those that were proposed
+        most = limit if config["candidates"] == "exact" else config["proposals"] + 1
     return [f"the log searches {found} policies, its configuration at most {most}"] if found > most else []
+
+
+def _repetitions(facts: Facts) -> list[str]:
+    distinct = len(np.unique(facts.policies, axis=0))
+    if distinct == len(facts.policies):
+        return []
+    return [f"the log searches {len(facts.policies)} policies, {distinct} of them different, which no run does"]
 
 
 def _version_space(facts: Facts) -> list[str]:

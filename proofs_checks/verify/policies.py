@@ -59,7 +59,10 @@ def worst_margins(scores: Enclosed, z: Enclosed, gamma: float, bonus: FloatArray
 
 
 def widest(z: FloatArray, gamma: float, bonus: FloatArray, scores: FloatArray | None = None) -> float:
-    """An estimate of the largest gamma ||z_i - z_j|| + b_i + b_j over all pairs, with s_i - s_j where scores count."""
+    """An estimate of the largest gamma ||z_i - z_j|| + b_i + b_j over i != j, with s_i - s_j where scores count.
+
+    Minus infinity for one policy.
+    """
     best, height = -np.inf, max(1, TILE // len(z))
     centred = Enclosed(z - z.mean(axis=0), 0.0)
     ahead, behind = (bonus, bonus) if scores is None else (bonus + scores, bonus - scores)
@@ -69,5 +72,6 @@ def widest(z: FloatArray, gamma: float, bonus: FloatArray, scores: FloatArray | 
         np.sqrt(np.maximum(values, 0, out=values), out=values)
         values *= gamma
         values += behind
+        values[np.arange(len(values)), np.arange(first, first + len(values))] = -np.inf
         best = max(best, float((values.max(axis=1) + ahead[rows]).max()))
     return best

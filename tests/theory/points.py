@@ -17,6 +17,15 @@ _LARGEST = {"S": 12, "A": 8, "H": 40, "rows": 60, "d": 30, "unvisited": 12, "B":
 _LARGEST_COUNT = 10**7
 _CELLS = 4
 
+ANSWERS: dict[str, Any] = {
+    "loss": 5, "weight_norm": "0.5", "log_det_growth": 3, "evidence_loss": 9, "scales": 2, "margin": 1, "tangent": 2,
+    "multiplier": "0.25", "slope": 1, "dual_norm": "0.125", "advantage": "0.5", "shortfall": "0.125", "slack": 4,
+    "gradient_norm": 1, "reach": 1, "least_curvature": 2, "ridge": 1, "newton_norm": 1, "forecasters": 2,
+    "rollouts": 200, "sample_variance": "0.25", "spread": 1, "candidates": 16, "error_norm": "0.125", "look": 2,
+    "ellipsoid_radius": 3, "feature_reach": 1, "pairs": 3, "information": "0.125",
+}  # fmt: skip
+"""A value of every parameter that only the formulas about answers take."""
+
 
 def _number(row: Parameter) -> st.SearchStrategy[Any]:
     low, high = row.domain.low, row.domain.high
@@ -30,7 +39,8 @@ def _number(row: Parameter) -> st.SearchStrategy[Any]:
     # multiples of 2^-20 are the same number for all three interpretations
     steps = st.integers(0, int(top * 2**20)).map(lambda k: k / 2**20)
     fine = st.integers(-20, 0).map(lambda k: 2.0**k).map(lambda x: x * top)
-    return (steps | fine).filter(lambda x: row.domain.contains(Fraction(x)))
+    signed = (steps | fine).flatmap(lambda x: st.sampled_from((x, -x))) if low < 0 else steps | fine
+    return signed.filter(lambda x: row.domain.contains(Fraction(x)))
 
 
 def numbers(name: str) -> st.SearchStrategy[Any]:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from points import ANSWERS
 
 from bridge_theory import Setting, elliptical_floor, regret_known_version_space, solve_for
 from bridge_theory.bound import Bound, Rate
@@ -35,13 +36,14 @@ PAIRS = [bound for bound in all_bounds() if {"rows", "S_reach"} & set(bound.para
 _OWN_POINT: dict[str, dict[str, Any]] = {
     "transition_log_covering_two_states": {"S": 2},
     "elliptical_floor": {"diameter": 1},
+    "look_delta": {"delta_phi": "0.06"},
     "containment_failure_known": {"delta_off": "0.1", "delta_w": "0.1"},
     "containment_failure_unknown": {"delta_off": "0.1", "delta_w": "0.1", "delta_P": "0.1"},
 }
 
 
 def _point(bound: Bound) -> dict[str, Any]:
-    return POINT | _OWN_POINT.get(bound.name, {})
+    return POINT | ANSWERS | _OWN_POINT.get(bound.name, {})
 
 
 def test_no_formula_has_a_default_of_its_own() -> None:

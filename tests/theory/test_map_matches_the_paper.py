@@ -147,9 +147,9 @@ def test_no_statement_has_both_a_formula_and_an_excuse() -> None:
     assert [name for name, entry in paper.entries().items() if entry.note and name in sources] == []
 
 
-def test_every_formula_comes_from_the_paper_or_the_audit() -> None:
+def test_every_formula_comes_from_the_paper_the_audit_or_the_companion() -> None:
     for formula in FORMULAS.values():
-        assert formula.source in paper.entries() or formula.source.startswith("audit "), formula
+        assert formula.source in paper.entries() or formula.source.startswith(("audit ", "companion ")), formula
 
 
 def test_statements_said_to_be_repeated_point_to_one_with_a_formula() -> None:

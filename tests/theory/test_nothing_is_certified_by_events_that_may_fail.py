@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from points import ANSWERS
 
 from bridge_theory import Setting, regret_known_apriori, regret_trivial, regret_unknown_covered, solve_for
 from bridge_theory.bound import Bound
@@ -20,7 +21,7 @@ _GIVEN: dict[str, Any] = {
     "gamma_min": "0.25", "epsilon": "0.1", "eta": 1, "R1": "0.1", "R2": "0.1", "log_covering": 3, "norm_sum": 1,
     "bonus_sum": 1, "bonus_square_sum": 1, "potential": 1, "true_bonus": 1, "occupancy": [1, 1], "counts": [40, 40],
     "visits": [3, 4], "ratio": "0.1", "singletons": 1, "unvisited": 1, "class_size": 9, "chi2": 0, "N": 40,
-    "residual": 0, "log_det_ratio": 1,
+    "residual": 0, "log_det_ratio": 1, **ANSWERS,
 }  # fmt: skip
 _SPENDING = [bound for bound in all_bounds() if bound.spends]
 

@@ -7,6 +7,7 @@ from fractions import Fraction
 from typing import Any
 
 import pytest
+from points import ANSWERS
 
 import bridge_theory
 from bridge_theory import (
@@ -20,6 +21,7 @@ from bridge_theory import (
     regret_trivial,
     transition_error_rate,
 )
+from bridge_theory.bound import Bound
 from bridge_theory.bound import bound as make_bound
 from bridge_theory.catalog import all_bounds, all_rates, by_group, by_label
 from bridge_theory.core import Arithmetic, Value, bound, falls, least, total
@@ -245,11 +247,13 @@ def test_catalog_finds_by_name_label_and_group() -> None:
     assert by_label("offline_radius") == (offline_radius,)
     assert "concentrability_sharp" in {formula.name for formula in by_label("T5")}
     assert offline_radius_repaired in by_label("T9")
+    assert [formula.name for formula in by_label("G2")] == ["dual_certificate"]
+    assert {formula.group for formula in by_label("G1'")} == {"answers"}
     with pytest.raises(InputError, match="closest: offline_radius"):
         by_label("offline_radios")
     with pytest.raises(InputError, match="no formula is called 'qqqq'"):
         by_label("qqqq")
-    assert {b.group for b in all_bounds()} == {"offline", "online", "regret"}
+    assert {b.group for b in all_bounds()} == {"offline", "online", "regret", "answers"}
     assert all(b in all_bounds() for b in by_group("regret"))
     assert not set(all_rates()) & set(all_bounds())
 
@@ -349,3 +353,14 @@ def test_a_failure_beyond_float64_certifies_nothing() -> None:
     value = bridge_theory.radius_sum_covered.value(S_reach=10**400, gamma_min="0.1", **point)
     assert value.words.startswith("Nothing is certified, for its events may fail with a total probability of ")
     assert not value.certified
+
+
+@pytest.mark.parametrize("formula", by_group("answers"), ids=lambda formula: formula.name)
+def test_every_formula_about_answers_says_its_value_in_words(formula: Bound) -> None:
+    setting = {"d": 2, "t": 40, "B": 1, "W": 2, "lam": "0.5", "delta": "0.05", "delta_phi": "0.05"} | ANSWERS
+    value = formula.value(**{name: setting[name] for name in formula.parameters})
+    assert value.enclosure.narrow
+    shown = {value.enclosure.at_most, value.enclosure.at_least}
+    assert any(number in value.words for number in shown)
+    spent = "With probability at least 0.95, " if formula.spends else ""
+    assert value.words.startswith(spent)

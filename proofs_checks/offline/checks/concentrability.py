@@ -41,19 +41,22 @@ def two_point_inequality(*, slack: int = 0) -> Outcome:
 
 
 def weaker_forms(*, factor: Fraction = Fraction(2)) -> Outcome:
-    """(1 - R + sqrt(R (2 - R)(1 - g)/g))^2 <= 1 + sqrt(2 R)/g <= 1 + factor sqrt(R)/g, for g <= (1 - R)^2."""
+    """The sharp bound is at most 1 + sqrt(2 R)/g, which is at most 1 + factor sqrt(R)/g, for all R and g in (0, 1].
+
+    It is (1 - R + sqrt(R (2 - R)(1 - g)/g))^2 for g <= (1 - R)^2 and 1/g beyond; with c = 1 - R and s^2 = R (2 - R).
+    """
     c, s, q, r, g, root2r = reals("c s q r g root2r")
-    positive = [c > 0, s >= 0, r >= 0, q >= 0, g > 0, root2r >= 0]
-    sharp = [*positive, c * c + s * s == 1, g <= c * c, q * q * g == s * s * (1 - g), r == 1 - c]
-    value = (c + q) * (c + q)
-    claim = prove("sharp below 1 + sqrt(2R)/g", [*sharp, root2r * root2r == 2 * r], value * g <= g + root2r)
+    setting = [c >= 0, s >= 0, r >= 0, g > 0, g <= 1, root2r >= 0, root2r * root2r == 2 * r, r == 1 - c]
+    near = [c > 0, q >= 0, g <= c * c, q * q * g == s * s * (1 - g), c * c + s * s == 1]
+    claim = prove("g <= (1 - R)^2: below 1 + sqrt(2R)/g", [*setting, *near], (c + q) * (c + q) * g <= g + root2r)
+    beyond = prove("g >= (1 - R)^2: 1/g below 1 + sqrt(2R)/g", [*setting, g >= c * c], g + root2r >= 1)
     f = factor.numerator, factor.denominator
     stated = prove(
         "sqrt 2 below the factor",
         [root2r >= 0, r >= 0, root2r * root2r == 2 * r, q >= 0, q * q == r],
         root2r * f[1] <= f[0] * q,
     )
-    return together(claim, stated)
+    return together(claim, beyond, stated)
 
 
 def sharp_below_stated(*, factor: Fraction = Fraction(1)) -> Outcome:

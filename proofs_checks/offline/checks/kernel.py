@@ -22,6 +22,8 @@ ALLOWED = {
 
 _SECONDS = 120
 _LIBRARY = "finite_sums"
+_UNFINISHED = r"\b(Admitted|admit|Axioms?|Parameters?|Conjectures?|bypass_check|Unset\s+\w+\s+Checking)\b"
+_CLOSED = "Closed under the global context"
 
 
 def theorem(*, file: str, name: str, replace: tuple[str, str] = ("", "")) -> Outcome:
@@ -35,18 +37,61 @@ def theorem(*, file: str, name: str, replace: tuple[str, str] = ("", "")) -> Out
     source = _source(file)
     if old not in source:
         raise InputError(f"{file}.v does not contain {old!r}, so that this variant of it is none.")
-    if re.search(r"\b(Admitted|Axiom|Parameter|admit)\b", source):
-        return Outcome(1, (f"{file}.v leaves something unproved",))
+    return compiled(file, name, source.replace(old, new))
+
+
+def compiled(file: str, name: str, source: str) -> Outcome:
+    """Compile a source beside the library of finite sums, and judge what its theorem ``name`` rests on."""
+    if unfinished(source):
+        return Outcome(1, (f"{file}.v leaves something unproved: {unfinished(source)}",))
     with tempfile.TemporaryDirectory() as folder:
         for part in (f"{_LIBRARY}.v", f"{_LIBRARY}.vo"):
             shutil.copy(Path(_compiled_library()) / part, folder)
-        answer = _compile(Path(folder), file, source.replace(old, new) + f"\nPrint Assumptions {name}.\n")
+        answer = _compile(Path(folder), file, f"{source}\nPrint Assumptions {name}.\n")
     if answer.returncode:
         return Outcome(1, (f"{name}: the kernel refuses: {' '.join(answer.stderr.split())[:200]}",))
-    axioms = set(re.findall(r"^([\w.]+)\s*:", answer.stdout, flags=re.MULTILINE)) - {"Axioms"}
-    if not axioms <= ALLOWED or not (axioms or "Closed" in answer.stdout):
-        return Outcome(1, (f"{name} rests on {', '.join(sorted(axioms - ALLOWED)) or 'an unreadable list'}",))
+    return judged(name, answer.stdout)
+
+
+def unfinished(source: str) -> str:
+    """The first word of a source outside of comments that leaves something unproved; empty if there is none.
+
+    >>> unfinished("Lemma easy : True. Proof. exact I. Qed. (* no Axiom *)"), unfinished("Axiom easy : False.")
+    ('', 'Axiom')
+    """
+    code, nested = source, 1
+    while nested:  # comments may contain comments: the innermost go first
+        code, nested = re.subn(r"\(\*(?:(?!\(\*|\*\)).)*\*\)", " ", code, flags=re.DOTALL)
+    found = re.search(_UNFINISHED, code)
+    return found.group() if found else ""
+
+
+def judged(name: str, printed: str) -> Outcome:
+    """Whether what Coq prints about the assumptions of a theorem names nothing but ``ALLOWED``.
+
+    >>> judged("easy", "Closed under the global context").holds, judged("easy", "Axioms:\\ncheat' : False").holds
+    (True, False)
+    """
+    axioms = assumptions(printed)
+    if axioms is None:
+        return Outcome(1, (f"{name}: the list of its assumptions is unreadable: {printed.strip()[:200]!r}",))
+    if not axioms <= ALLOWED:
+        return Outcome(1, (f"{name} rests on {', '.join(sorted(axioms - ALLOWED))}",))
     return Outcome(1, details=f"{name}: accepted by the kernel, {len(axioms)} axioms of the reals")
+
+
+def assumptions(printed: str) -> set[str] | None:
+    """The names that ``Print Assumptions`` lists, none for a closed proof; None where the text is not such a list.
+
+    An entry begins at the left edge with its name; its type follows after a colon and is indented where it is long.
+    """
+    if printed.strip() == _CLOSED:
+        return set()
+    head, _, body = printed.strip().partition("\n")
+    entries = [line for line in body.splitlines() if line and not line[0].isspace()]
+    if head != "Axioms:" or not entries:
+        return None
+    return {line.split()[0].removesuffix(":") for line in entries}
 
 
 def _source(file: str) -> str:
@@ -56,9 +101,10 @@ def _source(file: str) -> str:
 @cache
 def _compiled_library() -> str:
     folder = tempfile.mkdtemp(prefix="bridge-coq-")
-    answer = _compile(Path(folder), _LIBRARY, _source(_LIBRARY))
-    if answer.returncode:
-        raise RuntimeError(f"coqc refuses {_LIBRARY}.v: {answer.stderr}")
+    source = _source(_LIBRARY)
+    answer = _compile(Path(folder), _LIBRARY, source)
+    if answer.returncode or unfinished(source):
+        raise RuntimeError(f"{_LIBRARY}.v: {unfinished(source) or answer.stderr}")
     return folder
 
 

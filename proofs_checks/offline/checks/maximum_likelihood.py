@@ -201,6 +201,13 @@ def constants_by_logarithms(*, constant: int = 4) -> Outcome:
     )
 
 
+def finite_class_constants(*, constant: int = 6) -> Outcome:
+    """With b = log(|G| - 1) <= c = log(2 |G|), c > 0, l = log(1/delta) >= 0: b + l <= constant (c + l)."""
+    b, c, logarithm = reals("b c l")
+    hypotheses = [b <= c, c > 0, logarithm >= 0]
+    return prove("the paper's finite-class constant", hypotheses, b + logarithm <= constant * (c + logarithm))
+
+
 def union_step(*, limit: Fraction = Fraction(1)) -> Outcome:
     """2 A^S/delta <= (A/delta)^S exactly when delta^(S-1) <= 1/2: the corollary's step, in integers."""
     tally = Tally()

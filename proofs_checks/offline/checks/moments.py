@@ -133,8 +133,18 @@ def mean_bounds_compared(*, factor: int = 4) -> Outcome:
     return identity("stated^2 - sharp^2", sympy.expand(stated**2 - sharp**2), factor * b**2 * r**2)
 
 
-def covariance_bounds_compared(*, factor: int = 1) -> Outcome:
-    """The stated covariance bound exceeds factor times the sharp one for every R in a box (d = 1), by balls."""
+def covariance_bounds_compared(*, factor: int = 6) -> Outcome:
+    """4 t (1 - t) up to t = 1/2 and 1 beyond is at most factor sqrt(2 R), t^2 = R (2 - R), for all R in [0, 1] (Z3)."""
+    t, r, root2r = reals("t R root2r")
+    setting = [r >= 0, r <= 1, t >= 0, t * t == r * (2 - r), root2r >= 0, root2r * root2r == 2 * r]
+    return together(
+        prove("t <= 1/2", [*setting, 2 * t <= 1], 4 * t * (1 - t) <= factor * root2r),
+        prove("t >= 1/2", [*setting, 2 * t >= 1], factor * root2r >= 1),
+    )
+
+
+def covariance_formulas_compared(*, factor: int = 1) -> Outcome:
+    """The formulas of bridge_theory in this order on a box of R (d = 1), by balls."""
 
     def gap(R: Ball) -> Ball:
         stated = value_of(covariance_difference_stated, B=1, d=1, R=lambda: R)

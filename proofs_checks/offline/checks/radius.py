@@ -23,7 +23,7 @@ from bridge_theory import (
     transition_error_stated,
 )
 from bridge_theory.arithmetic.flint_balls import Ball, ball
-from proofs_checks.exact.certify import Number, at_most, value_of
+from proofs_checks.exact.certify import Number, at_most, scaled, value_of
 from proofs_checks.outcome import Outcome, Tally
 
 _BASE: dict[str, Fraction | int] = {"S": 5, "A": 4, "H": 8, "delta": Fraction(1, 20)}
@@ -158,9 +158,9 @@ def rate_has_unit_constant(*, constant: int = 1) -> Outcome:
     """The O-form is S^2 A log(nH/delta)/n with unit constant; four times it is R_2."""
     tally = Tally()
     for n in (10, 999):
-        rate = float(transition_error_rate.estimate(S=3, A=2, H=5, n=n, delta=0.1))
-        stated = float(transition_error_stated.estimate(S=3, A=2, H=5, n=n, delta2=0.1))
-        tally.expect(bool(abs(4 * constant * rate - stated) < 1e-12 * stated), f"n = {n}")
+        delta, size = Fraction(1, 10), {"S": 3, "A": 2, "H": 5, "n": n}
+        four_rates = partial(scaled, Fraction(4 * constant), transition_error_rate, delta=delta, **size)
+        tally.expect(_same(four_rates, partial(value_of, transition_error_stated, delta2=delta, **size)), f"n = {n}")
     return tally.outcome("O-form of the transition error")
 
 

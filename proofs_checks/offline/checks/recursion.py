@@ -56,19 +56,30 @@ def recursion_equals_enumeration(*, transposed: bool = True, context: Context = 
 
 
 def disagreement_is_the_distance(*, first_state: int = 0, context: Context = QUICK) -> Outcome:
-    """With one kernel H^2 is the probability of a state of disagreement; bridge_algos computes it to rounding."""
+    """With one kernel H^2 is the probability of a state of disagreement."""
 
     def holds(pair: Pair) -> bool:
         model = pair.model
         first, second = model.law(pair.expert), model.law(pair.clone)
         differ = {s for s in range(first_state, model.n_states) if pair.expert[s] != pair.clone[s]}
-        hit = probability_of_hitting(first, differ, model.horizon)
-        dynamics = _floats(model)
-        indicator = np.array([[float(s in differ) for s in range(model.n_states)]])
-        fast = disagreement_probability(dynamics, np.array(pair.expert), indicator)[0]
-        return 1 - bhattacharyya(first, second) == hit and abs(fast - float(hit)) < _ROUNDING
+        return 1 - bhattacharyya(first, second) == probability_of_hitting(first, differ, model.horizon)
 
     return on_every("H^2 = P(disagree) with one kernel", pairs(), holds, context.pick(quick=50, full=150))
+
+
+def disagreement_in_code(*, first_state: int = 0, context: Context = QUICK) -> Outcome:
+    """bridge_algos computes the probability of a state of disagreement, to rounding."""
+
+    def holds(pair: Pair) -> bool:
+        model = pair.model
+        differ = [s for s in range(model.n_states) if pair.expert[s] != pair.clone[s]]
+        hit = probability_of_hitting(model.law(pair.expert), differ, model.horizon)
+        dynamics = _floats(model)
+        indicator = np.array([[float(s in differ and s >= first_state) for s in range(model.n_states)]])
+        fast = disagreement_probability(dynamics, np.array(pair.expert), indicator)[0]
+        return bool(abs(fast - float(hit)) < _ROUNDING)
+
+    return on_every("the code's probability of a disagreement", pairs(), holds, context.pick(quick=50, full=150))
 
 
 @st.composite
@@ -79,7 +90,7 @@ def _stochastic(draw: DrawFn) -> tuple[Pair, list[Row], list[Row]]:
 
 
 def stochastic_policies(*, factor: Fraction = Fraction(1), context: Context = QUICK) -> Outcome:
-    """BC = d_0^T M_1 ... M_{H-1} r for stochastic policies; bridge_algos computes the same number."""
+    """BC = d_0^T M_1 ... M_{H-1} r for stochastic policies."""
 
     def holds(instance: tuple[Pair, list[Row], list[Row]]) -> bool:
         pair, one, two = instance
@@ -100,14 +111,25 @@ def stochastic_policies(*, factor: Fraction = Fraction(1), context: Context = QU
                 for p in states
             ]
         total = sum((x[s] * agree[s][a] for s in states for a in actions), surd(0))
-        laws = model.law(stationary_policy(one)), estimate.law(stationary_policy(two))
-        tables = (np.array(table, dtype=float) for table in (one, two))
-        computed = computed_hellinger(_floats(model), next(tables), _floats(estimate), next(tables))
-        return total == bhattacharyya(*laws) and abs(computed - (1 - float(total))) < _ROUNDING
+        return total == bhattacharyya(model.law(stationary_policy(one)), estimate.law(stationary_policy(two)))
 
     return on_every(
         "matrix product = enumeration, stochastic policies", _stochastic(), holds, context.pick(quick=40, full=120)
     )
+
+
+def stochastic_policies_in_code(*, factor: float = 1.0, context: Context = QUICK) -> Outcome:
+    """bridge_algos computes H^2 of stochastic policies, to rounding."""
+
+    def holds(instance: tuple[Pair, list[Row], list[Row]]) -> bool:
+        pair, *tables = instance
+        models = pair.model, pair.estimate
+        first, second = (m.law(stationary_policy(table)) for m, table in zip(models, tables, strict=True))
+        one, two = (np.array(table, dtype=float) for table in tables)
+        computed = computed_hellinger(_floats(models[0]), one, _floats(models[1]), two)
+        return bool(abs(factor * computed - (1 - float(bhattacharyya(first, second)))) < _ROUNDING)
+
+    return on_every("the code's distance", _stochastic(), holds, context.pick(quick=40, full=120))
 
 
 def _floats(model: Model) -> Dynamics:

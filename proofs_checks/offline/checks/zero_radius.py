@@ -86,7 +86,7 @@ def _last_seen_state() -> Study:
 def closed_formula(*, claimed: Fraction = Fraction(0)) -> Outcome:
     """The formula of bridge_theory for a closed estimate is 0."""
     tally = Tally()
-    tally.expect(offline_radius_closed.enclosure().upper == claimed, "the radius is not zero")
+    tally.expect(Fraction(offline_radius_closed.enclosure().upper) == claimed, "the radius is not zero")
     return tally.outcome("radius under a closed estimate")
 
 

@@ -56,12 +56,17 @@ def undefined_first_round(*, first: int = 1) -> Outcome:
 
 
 def linear_in_eta(*, factor: int = 2) -> Outcome:
-    """xi(2 eta) = 2 xi(eta), for the formula of the package."""
+    """xi(2 eta) = 2 xi(eta) at every setting: the formula of the package is a minimum, and both arguments double."""
+    import sympy
+
     from bridge_theory.symbolic import symbol_for
     from proofs_checks.symbolic import identity
 
-    eta, expression = symbol_for("eta"), theory.xi.expression(S=5, A=4, H=8, delta="0.05", N=1000)
-    return identity("xi", expression.subs(eta, 2 * eta), factor * expression)
+    eta, expression = symbol_for("eta"), theory.xi.expression()
+    tally = Tally()
+    tally.expect(expression.func is sympy.Min and len(expression.args) == 2, f"xi is no minimum of two: {expression}")
+    doubled = [identity("argument", part.subs(eta, 2 * eta), factor * part) for part in expression.args]
+    return together(tally.outcome("xi is a minimum"), *doubled)
 
 
 def relation_of_bonuses(*, factor: int = 2) -> Outcome:

@@ -75,12 +75,19 @@ def squared_bonus(*, constant: int = 48) -> Outcome:
 
 
 def cauchy_schwarz(*, exponent: int = 2) -> Outcome:
-    """(a + b)^2 <= 2 (a^2 + b^2); without the squares, (a + b)^2 <= 2 (a + b) fails as soon as a + b > 2."""
+    """(sum a)^2 <= T sum a^2 by induction on T: equality for one round, and S^2 <= T Q gives (S+a)^2 <= (T+1)(Q+a^2).
+
+    Without the squares it fails as soon as the sum exceeds T.
+    """
     from proofs_checks.smt import prove, reals
 
-    a, b = reals("a b")
-    powers = a * a + b * b if exponent == 2 else a + b
-    return prove("two rounds", [a >= 0, b >= 0], (a + b) * (a + b) <= 2 * powers)
+    a, rounds, total, squares = reals("a T S Q")
+    power = a * a if exponent == 2 else a
+    before = [a >= 0, rounds >= 1, total >= 0, squares >= 0, total * total <= rounds * squares]
+    return together(
+        prove("one round", [a >= 0], a * a <= power),
+        prove("one round more", before, (total + a) * (total + a) <= (rounds + 1) * (squares + power)),
+    )
 
 
 def _within(difference: Any, size: Any) -> list[Any]:

@@ -82,10 +82,15 @@ def rounded_constants(*, constant: int = 27) -> Outcome:
     tally = Tally()
     tally.expect(bool(c <= 2), "e/(e-1) exceeds 2")
     tally.expect(bool((constant - 4 * c) * ball(3).log() >= 8 * (1 + c)), f"{constant} is too small at T = d = 1")
-    d, growth, chance = reals("d growth chance")
+    d, growth, chance, share, least = reals("d growth chance c log3")
     split = prove(
-        "d x + y <= d (x + y)", [d >= 1, growth >= 0, chance >= 0], d * growth + chance <= d * (growth + chance)
-    )
+        "sharp below rounded for all d, T, delta",
+        [
+            d >= 1, chance >= 0, growth >= least, least > 0, share > 0,  # growth = log(1+2T), chance = log(1/delta)
+            (constant - 4 * share) * least >= 8 * (1 + share), constant - 4 * share >= 0,
+        ],
+        4 * share * (d * growth + chance) + 8 * (1 + share) <= constant * d * (growth + chance),
+    )  # fmt: skip
     box: Box = {"d": (1, 20), "T": (1, 10**6), "delta_V": ("1/1000", "1/2")}
     return together(
         tally.outcome("constants"), split, prove_positive("rounded - sharp", _gap, box, geometric=("d", "T"))

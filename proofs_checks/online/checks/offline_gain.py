@@ -9,7 +9,7 @@ from typing import Any
 
 import bridge_theory as theory
 from proofs_checks.context import Context
-from proofs_checks.outcome import Outcome, Tally
+from proofs_checks.outcome import Outcome, Tally, together
 
 
 def deterministic_laws(context: Context, *, power: int = 1) -> Outcome:
@@ -100,7 +100,6 @@ def covered_bonus(*, offset: int = 0) -> Outcome:
 
 def trivial_regime(*, beyond: int = 1, least: int = 1) -> Outcome:
     """B W x <= Gamma sqrt(x/d) for 0 <= x = T S / n <= d, where Gamma = (W sqrt(kappa B) + W B) d L with L >= 1."""
-    from proofs_checks.outcome import together
     from proofs_checks.smt import prove, reals
 
     x, d, root, product, curved, logarithm = reals("x d root product curved logarithm")
@@ -115,17 +114,23 @@ def trivial_regime(*, beyond: int = 1, least: int = 1) -> Outcome:
 
 
 def growth_of_the_first_term(*, constant: str = "1") -> Outcome:
-    """For x = T/n <= 1, sqrt(T log(1+x)) is between 0.83 and 1 times T/sqrt(n), the order of the trivial bound."""
-    from bridge_theory.arithmetic.flint_balls import ball
-    from proofs_checks.balls import prove_positive
-    from proofs_checks.outcome import together
+    """For 0 < x = T/n <= 1, sqrt(T log(1+x)) is between 0.83 and 1 times T/sqrt(n), the order of the trivial bound.
 
-    top = ball(Fraction(constant))
-    low = ball(Fraction(83, 100)) ** 2
-    box = {
-        "x": ("1/100", 1)
-    }  # below, x - log(1+x) >= 0 by concavity, and log(1+x)/x falls to its value at 1/100 from 1
+    log(1+x) - k x is concave and 0 at 0. With k = constant its slope at 0 is 0, so it falls below; with k = 0.83^2 it
+    is positive at 1, so that it is above on the whole interval.
+    """
+    import sympy
+
+    from bridge_theory.arithmetic.flint_balls import ball
+    from proofs_checks.symbolic import identity
+
+    x = sympy.Symbol("x", nonnegative=True)
+    gap = sympy.log(1 + x) - sympy.Rational(constant) * x
+    tally = Tally()
+    tally.expect(bool(ball(2).log() - ball(Fraction(83, 100)) ** 2 > 0), "log 2 is below 0.83^2")
     return together(
-        prove_positive("x - log(1+x)", lambda x: top * x - (1 + x).log(), box, geometric=("x",)),
-        prove_positive("log(1+x) - 0.83^2 x", lambda x: (1 + x).log() - low * x, box, geometric=("x",)),
+        identity("zero at 0", gap.subs(x, 0), sympy.S.Zero),
+        identity("slope 0 at 0", sympy.diff(gap, x).subs(x, 0), sympy.S.Zero),
+        identity("concave", sympy.diff(gap, x, 2), -1 / (1 + x) ** 2),
+        tally.outcome("log(1+x) is above 0.83^2 x at 1"),
     )

@@ -20,6 +20,10 @@ RATIOS: Mapping[str, Callable[[Any, Any], Any]] = {
     "term 2": lambda sp, x: 2 * (sp.sqrt(x) - 1) / sp.log(1 + 10**6 * (sp.log(x) + x) / 4),
     "simplified rate": lambda sp, x: x ** sp.Rational(-1, 4) / (sp.sqrt(sp.log(1 + 100 / x)) + 1 / sp.sqrt(x)),
     "drift sum": lambda sp, x: x / 2 / sp.log(x),
+    # S = 5, A = 4, H = 8, delta = 1/20: sqrt(n) times the radius is at least beta
+    "offline radius": lambda sp, x: sp.sqrt(400 * sp.log(320 * x)),
+    # T B/(kappa delta) = 1 + 1/x, so that Gamma is a constant times log(1 + 1/x), while the first round costs BW
+    "vanishing scale": lambda sp, x: 1 / sp.log(1 + 1 / x),
     "squared bonuses": lambda sp, x: 4 * (x - 1) / (4 * sp.log(x)),
 }
 """A lower bound on the ratio of both sides (for term 2: of their squares), in the variable of the family."""

@@ -1,0 +1,1 @@
+"""The checks of the statements about certified answers."""

@@ -123,7 +123,7 @@ def _shortest(weights: FloatArray, per_step: FloatArray) -> FloatArray:
 
 
 def _with_reward(mdp: TabularMDP, rewards: FloatArray) -> TabularMDP:
-    return dataclasses.replace(mdp, reward=rewards)
+    return dataclasses.replace(mdp, reward=rewards, reward_on="")
 
 
 def _range(mdp: TabularMDP, rewards: FloatArray) -> float:

@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from bridge_algos.asking.config import AskConfig
+from bridge_algos.asking.config import DYNAMICS, AskConfig
 from bridge_algos.asking.goal import FORMS
 from bridge_algos.asking.rules import RULES
 from bridge_algos.asking.tabular import REFERENCES
@@ -63,6 +63,8 @@ def in_words(config: AskConfig, found: dict[str, Any]) -> str:
         sentence += f". In {single} the demonstrations leave one candidate and nothing to ask"
         if rest is not None:
             sentence += f"; the median of the others is {rest:.0f}"
+    if found["median_episodes"] is not None:
+        sentence += f". Features come from rollouts, {found['median_episodes']:,.0f} episodes in the median"
     return sentence + "."
 
 
@@ -84,6 +86,9 @@ def _parser() -> argparse.ArgumentParser:
     p.add_argument("--demos", metavar="FILE", help="demonstrations (.npz) that every seed uses instead")
     p.add_argument("--embedding", default="state_action_counts", help=f"one of {', '.join(ADDITIVE)}")
     p.add_argument("--asking", default="pool", help=f"which questions: {', '.join(RULES)} (default pool)")
+    p.add_argument(
+        "--dynamics", default="known", choices=DYNAMICS, help="unknown: only simulated, by rollouts (default known)"
+    )
     p.add_argument("--reference", default="random", help=f"for shares: {', '.join(REFERENCES)} (default random)")
     p.add_argument("--seeds", type=int, default=20, help="number of sessions (default 20)")
     p.add_argument("--max-questions", type=int, default=1000, metavar="N", help="end a session here (default 1000)")
@@ -111,4 +116,5 @@ def _configuration(options: argparse.Namespace) -> AskConfig:
         asking=options.asking,
         reference=options.reference,
         max_questions=options.max_questions,
+        dynamics=options.dynamics,
     )

@@ -20,7 +20,10 @@ from bridge_algos.asking.answers import Answers
 from bridge_algos.mdp import FloatArray
 
 ROUNDING = 1e-10
-"""Added to a bound, relative to the size of the terms that it is made of."""
+"""Added to a bound, relative to the size of its terms: far above float64's rounding, but no proof of it.
+
+What is proved to the last digit is what ``bridge-rl verify`` says of a session.
+"""
 
 PENALTY = 5.0
 """What violating a rival's row costs in the search; it limits sum(mu) and keeps the search feasible."""

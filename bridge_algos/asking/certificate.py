@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf, log
+
+from bridge_algos.asking.model_test import DELTA_MODEL
 
 
 @dataclass(frozen=True)
@@ -13,7 +16,8 @@ class Certificate:
         certified: whether the goal is reached.
         recommended: index of the recommended candidate.
         gap: nats; the best candidate's utility exceeds the recommended one's by at most this. Where the goal is not
-            reached, the bound may be far from tight: only what decides is computed.
+            reached, the bound may be far from tight: only what decides is computed. It means nothing beside a
+            contradiction.
         share: of what there is to gain over the reference, at least this much is gained; None without a reference, 0
             where nothing is certified.
         failure_probability: delta, for the whole session and every way of stopping it, plus that of the candidates.
@@ -22,6 +26,11 @@ class Certificate:
         answers, skipped: answers counted, and questions left without one.
         candidates: how many were compared.
         goal: in words.
+        room: nats by which the log-likelihood of the best weights found lies above the threshold; near 0 the answers
+            hardly fit the model, below 0 they do not.
+        evidence: nats that the model test holds against the model; it is refuted at ``log(1 / delta_M)``.
+        contradiction: in words, when the answers contradict the model; nothing is certified then.
+        warnings: sentences on what looks wrong.
     """
 
     certified: bool
@@ -35,18 +44,38 @@ class Certificate:
     skipped: int
     candidates: int
     goal: str
+    room: float = inf
+    evidence: float = -inf
+    contradiction: str | None = None
+    warnings: tuple[str, ...] = ()
 
     @property
     def sentence(self) -> str:
         """The certificate in words: what holds, how surely, and on what it rests."""
         count = f"{self.answers} answer{'' if self.answers == 1 else 's'}"
         among = f"about these {self.candidates} candidates"
+        beside = self._beside
+        if self.contradiction is not None:
+            return f"Not certified after {count}, {among}: {self.contradiction}.{beside}"
         if not self.certified:
             return (
                 f"Not certified after {count}, {among}: the gap is at most {self.gap:.4g} nats; the goal is that "
-                f"{self.goal}."
+                f"{self.goal}.{beside}"
             )
         return (
             f"Certified after {count}, {among}: {self.goal}. This fails with probability at most "
-            f"{self.failure_probability:.4g}, whenever the session is stopped, if " + "; ".join(self.assumptions) + "."
+            f"{self.failure_probability:.4g}, whenever the session is stopped, if "
+            + "; ".join(self.assumptions)
+            + f".{beside}"
         )
+
+    @property
+    def _beside(self) -> str:
+        """How well the model fits, and what looks wrong."""
+        if not self.answers:
+            return ""
+        fit = (
+            f" The best weights lie {self.room:.3g} nats above the threshold (none are left at 0); the model test "
+            f"holds {self.evidence:.2g} nats against the model (refuted at {log(1 / DELTA_MODEL):.2g})."
+        )
+        return fit + "".join(f" Warning: {warning}." for warning in self.warnings)

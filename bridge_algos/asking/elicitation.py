@@ -32,8 +32,10 @@ from bridge_algos.asking.dual import LikelihoodSet, search
 from bridge_algos.asking.evidence import Evidence
 from bridge_algos.asking.gap import Gap, Rivals
 from bridge_algos.asking.goal import goal
-from bridge_algos.asking.region import is_empty, likelihood_set, needs_weight_bound
+from bridge_algos.asking.model_test import ModelTest, empty_in_words, refuted_in_words
+from bridge_algos.asking.region import highest, is_empty, likelihood_set, needs_weight_bound
 from bridge_algos.asking.rules import State, check_rule, choose
+from bridge_algos.asking.skips import skip_warning
 from bridge_algos.mdp import FloatArray
 from bridge_theory.errors import InputError
 
@@ -120,13 +122,14 @@ class Elicitation:
         self._region: LikelihoodSet | None = None
         _, groups = np.unique(self.pool, axis=0, return_inverse=True)
         self._groups = groups.ravel()
+        self.test = ModelTest(self.pool, self._groups, weights.radius)
         self._owners = np.full(len(self.pool), -1) if owners is None else np.asarray(owners)
         aim = None if self.reference is None or not self.goal.rho else (self.reference, self.goal.rho)
         spread = 0.0 if aim is None else float(np.linalg.norm(self.features - aim[0], axis=1).max())
         scale = self.goal.nats or 0.1 * spread * weights.radius
         self.gap = Gap(self.features, weights.radius, self.goal.nats, scale, rivals, aim)
         self.history: list[tuple[int, int, int | None]] = []
-        self.contradicted = False
+        self.contradiction: str | None = None  # in words, and for good
         self._pending: Question | None = None
         self._asked: set[tuple[int, int]] = set()
         self._look()
@@ -135,6 +138,11 @@ class Elicitation:
     def recommended(self) -> int:
         """Index of the candidate to take."""
         return self.gap.recommended
+
+    @property
+    def contradicted(self) -> bool:
+        """Whether the answers contradict the model or W; then nothing is certified, whatever is answered later."""
+        return self.contradiction is not None
 
     @property
     def certified(self) -> bool:
@@ -149,7 +157,7 @@ class Elicitation:
     def ask(self) -> Question:
         """The next question; the same one until it is told."""
         if self.contradicted:
-            raise InputError("these answers contradict the model or W, so that no question can certify anything.")
+            raise InputError(f"{self.contradiction}; no question can certify anything.")
         if self._pending is None:
             if self.gap.critical is None:
                 raise InputError("nothing is left to ask: every candidate is certified.")
@@ -176,6 +184,7 @@ class Elicitation:
         self._asked.add((min(question.first, question.second), max(question.first, question.second)))
         if answer is None:
             return
+        self.test.tell(question.first, question.second, int(answer))
         self.evidence.tell(*self.answers.add(question.difference, int(answer)))
         self._look()
 
@@ -183,6 +192,7 @@ class Elicitation:
     def certificate(self) -> Certificate:
         """What is certified now."""
         gap, share = self._gap_and_share()
+        reached, best = highest(self.answers, self.weight_bound, self._center)
         bounded = self._region is None or needs_weight_bound(self._region, self.features, self.pool)
         words, chance = self.offline or ("the best of these candidates is meant, not of all policies", 0.0)
         return Certificate(
@@ -194,6 +204,7 @@ class Elicitation:
             assumptions=(
                 "answers follow P(first is better) = sigma(<x, w>)"
                 + (f" with ||w|| <= {self.weight_bound:.4g}" if bounded else ""),
+                "all answers come from one teacher, or from several who share w",
                 "questions are left unanswered for no reason that depends on the answer",
                 words,
             ),
@@ -202,6 +213,10 @@ class Elicitation:
             skipped=len(self.history) - self.answers.total,
             candidates=len(self.features),
             goal=self.goal.describe(),
+            room=reached - self._level,
+            evidence=self.test.evidence(self.evidence.value, best),
+            contradiction=self.contradiction,
+            warnings=self._warnings(),
         )
 
     def record(self) -> dict[str, Any]:
@@ -259,10 +274,14 @@ class Elicitation:
         """Update evidence, recommendation and gap; every answer is followed by one look."""
         if self.answers.total and self.evidence.stale:
             self.evidence.refit(self.answers)
-        level = self.evidence.value - log(1 / self.delta)
-        region = likelihood_set(self.answers, level, self.weight_bound, self._center)
+        if not self.contradicted and self.test.refutes(self.answers, self.evidence.value, self._center):
+            self.contradiction = refuted_in_words(self.weight_bound)
+        if self.contradicted:
+            return  # nothing is certified from here on
+        region = likelihood_set(self.answers, self._level, self.weight_bound, self._center)
         if region is None:
-            self.contradicted = is_empty(self.answers, level, self.weight_bound, self._center)
+            if is_empty(self.answers, self._level, self.weight_bound, self._center):
+                self.contradiction = empty_in_words(self.weight_bound, self.delta)
             return  # without a point inside nothing new can be certified; what was certified stays
         self._center, self._region = region.interior, region
         utilities = self.features @ self.evidence.mean
@@ -270,6 +289,20 @@ class Elicitation:
         if utilities[best] > utilities[self.recommended]:
             self.gap.recommend(best, region)
         self.gap.tighten(region)
+
+    @property
+    def _level(self) -> float:
+        return self.evidence.value - log(1 / self.delta)
+
+    def _warnings(self) -> tuple[str, ...]:
+        skipped = np.array([answer is None for _, _, answer in self.history])
+        if not skipped.any():
+            return ()
+        utilities = self.pool @ self.evidence.mean
+        shown = np.array([row[:2] for row in self.history])
+        odds = utilities[shown[:, 0]] - utilities[shown[:, 1]]
+        warning = skip_warning(odds[skipped], odds[~skipped])
+        return () if warning is None else (warning,)
 
     def _fit(self) -> tuple[FloatArray, FloatArray]:
         """Mean and covariance of the fitted weights."""

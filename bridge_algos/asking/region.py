@@ -22,11 +22,21 @@ def likelihood_set(answers: Answers, level: float, weight_bound: float, start: F
 
 def is_empty(answers: Answers, level: float, weight_bound: float, near: FloatArray) -> bool:
     """Whether duality proves that no weights in the ball are in the set: the answers contradict model or W."""
-    w = _inner_fit(answers, weight_bound, near, 1e-7)[None]
-    region = LikelihoodSet(answers, level, weight_bound, w[0])
-    nothing = np.zeros_like(w)
-    bound, _ = dual_bounds(region, nothing, np.zeros((1, 0, w.shape[1])), w, np.ones(1), np.zeros((1, 0)))
-    return bool(bound[0] < 0)
+    return highest(answers, weight_bound, near)[1] < level
+
+
+def highest(answers: Answers, weight_bound: float, near: FloatArray) -> tuple[float, float]:
+    """The log-likelihood that was reached in the ball, searching from ``near``, and an upper bound on the largest.
+
+    The bound is companion G2 with v = 0 and c = 1: by concavity it holds wherever the search ended.
+    """
+    w = near
+    for weight in (1.0, 0.1, 0.01, 1e-3, 1e-5):
+        w = _inner_fit(answers, weight_bound, w, weight)
+    at = w[None]
+    region = LikelihoodSet(answers, 0.0, weight_bound, w)
+    bound, _ = dual_bounds(region, np.zeros_like(at), np.zeros((1, 0, len(w))), at, np.ones(1), np.zeros((1, 0)))
+    return float(answers.log_likelihood(at)[0]), float(bound[0])
 
 
 def _inner_fit(answers: Answers, weight_bound: float, w: FloatArray, weight: float) -> FloatArray:

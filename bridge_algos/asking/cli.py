@@ -21,6 +21,8 @@ def main(argv: list[str]) -> int:
     """Ask, print what was certified; status 0 also where nothing is certified, which is said in words."""
     options = _parser().parse_args(argv)
     config = _configuration(options)
+    if options.model == "none":
+        return _without_model(options, config)
     from bridge_algos.asking.study import run_study, summary
 
     directory = options.out or Path("out") / f"ask-{Path(config.environment).stem}"
@@ -33,6 +35,21 @@ def main(argv: list[str]) -> int:
     print()
     print(in_words(config, found))
     print(f"sessions: {directory}; check them with 'bridge-rl verify {directory}'")
+    return 0
+
+
+def _without_model(options: argparse.Namespace, config: AskConfig) -> int:
+    """Ask without a model of utility, and print what was certified."""
+    from bridge_algos.asking.no_model_report import in_words, summary, table
+    from bridge_algos.asking.no_model_study import run_no_model
+
+    directory = options.out or Path("out") / f"ask-{Path(config.environment).stem}-no-model"
+    outcomes = run_no_model(config, options.eps, directory, options.seeds, options.jobs)
+    found = summary(outcomes)
+    if options.json:
+        print(json.dumps(found, indent=2))
+        return 0
+    print(f"{table(outcomes)}\n\n{in_words(config, options.eps, found)}\nsessions: {directory}")
     return 0
 
 
@@ -79,6 +96,13 @@ def _parser() -> argparse.ArgumentParser:
         default="10%",
         help=f"when to stop: {FORMS.replace('%', '%%')} (default 10%%)",
     )
+    p.add_argument(
+        "--model",
+        default="linear",
+        choices=("linear", "none"),
+        help="linear utilities and logistic answers (default), or none: compare every pair of few candidates",
+    )
+    p.add_argument("--eps", type=float, help="with --model none: preferred with probability >= 1/2 - eps (default 0.1)")
     p.add_argument("--delta", type=float, default=0.05, help="failure probability of a session (default 0.05)")
     p.add_argument("--demonstrations", type=int, metavar="N", help="by the best stationary policy (default 2)")
     p.add_argument("--demos", metavar="FILE", help="demonstrations (.npz) that every seed uses instead")
@@ -86,7 +110,9 @@ def _parser() -> argparse.ArgumentParser:
     p.add_argument("--asking", default="pool", help=f"which questions: {', '.join(RULES)} (default pool)")
     p.add_argument("--reference", default="random", help=f"for shares: {', '.join(REFERENCES)} (default random)")
     p.add_argument("--seeds", type=int, default=20, help="number of sessions (default 20)")
-    p.add_argument("--max-questions", type=int, default=1000, metavar="N", help="end a session here (default 1000)")
+    p.add_argument(
+        "--max-questions", type=int, metavar="N", help="end a session here (default 1000; 10000 without a model)"
+    )
     p.add_argument("--out", type=Path, help="directory of the sessions (default out/ask-ENVIRONMENT)")
     p.add_argument("--jobs", type=int, default=-1, help="processes (default: all cores); does not change the numbers")
     p.add_argument("--json", action="store_true", help="print JSON")
@@ -98,6 +124,7 @@ def _configuration(options: argparse.Namespace) -> AskConfig:
         raise InputError("--demos and --demonstrations exclude each other; give one.")
     if options.range is not None and options.BW is not None:
         raise InputError("--range and --BW exclude each other; give one.")
+    _check_model(options)
     given = options.demonstrations
     return AskConfig(
         environment=options.environment,
@@ -112,3 +139,17 @@ def _configuration(options: argparse.Namespace) -> AskConfig:
         reference=options.reference,
         max_questions=options.max_questions,
     )
+
+
+def _check_model(options: argparse.Namespace) -> None:
+    """Refuse options of the other model, and fill in what depends on the model."""
+    without = options.model == "none"
+    if not without and options.eps is not None:
+        raise InputError("--eps belongs to --model none; say with --until when to stop.")
+    for name, default in (("until", "10%"), ("asking", "pool"), ("reference", "random")):
+        if without and getattr(options, name) != default:
+            raise InputError(f"--{name} needs a model of utility; with --model none say --eps, and leave it out.")
+    if options.eps is None:
+        options.eps = 0.1
+    if options.max_questions is None:
+        options.max_questions = 10_000 if without else 1000

@@ -80,7 +80,7 @@ def save_session(path: Path, record: dict[str, Any]) -> None:
     atomic_write_text(path, json.dumps(record, separators=(",", ":")) + "\n")
 
 
-def load_session(path: Path) -> dict[str, Any]:
+def load_session(path: Path, kind: str = KIND) -> dict[str, Any]:
     """Read a record whose digest fits its content.
 
     Raises:
@@ -96,7 +96,7 @@ def load_session(path: Path) -> dict[str, Any]:
         raise InputError(f"{path} cannot be read ({error.strerror}); give the file of a session.") from None
     except (ValueError, RecursionError):
         raise InputError(f"{path} must hold JSON, and does not; give the file of a session.") from None
-    if not isinstance(record, dict) or record.get("kind") != KIND:
+    if not isinstance(record, dict) or record.get("kind") != kind:
         raise InputError(f"{path} is a file of another kind, expected the session of 'bridge-rl ask'.")
     if record.get("format") != FORMAT:
         raise InputError(f"{path} has format {record.get('format')!r}, expected {FORMAT}; run the session again.")

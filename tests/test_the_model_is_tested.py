@@ -230,21 +230,24 @@ def test_skips_that_look_close_are_warned_of(close: bool) -> None:
     rng = np.random.default_rng(2)
     features, pool, truth = rng.normal(size=(8, 3)), 2 * rng.normal(size=(60, 3)), np.array([1.0, -0.5, 0.2])
     session = Elicitation(features, Ball(2.3), pool, 0.05, "4nats", rng, asking="random")
-    excess = []
     for t in range(160):
         session._pending = session._question(*(int(item) for item in rng.choice(60, 2, replace=False)))
         z = float(session._pending.difference @ truth)
         felt = z + rng.logistic()
         leave = abs(felt) < 1 if close else t % 4 == 0
         session.tell(session._pending, None if leave else int(felt > 0))
-        if not leave:
-            excess.append(int((felt > 0) == (z > 0)) - expit(abs(z)))
     certificate = session.certificate
     assert certificate.skipped >= 20
     assert "questions are left unanswered for no reason that depends on the answer" in certificate.assumptions
     assert bool(certificate.warnings) == close
     assert ("look closer than those answered" in certificate.sentence) == close
-    assert (float(np.mean(excess)) > 0.02) == close  # answers agree with w* more often than w* says
+
+
+def test_leaving_out_what_is_close_makes_answers_look_surer() -> None:
+    """Trap 4, exactly: at z = 1 the share of 1s among the answered is .81 instead of .73."""
+    first, second = expit(1 - 1), 1 - expit(1 + 1)  # z + logistic noise above 1, and below -1
+    assert first / (first + second) == pytest.approx(0.81, abs=0.005)
+    assert expit(1) == pytest.approx(0.73, abs=0.005)
 
 
 def test_innocent_skips_are_seldom_warned_of() -> None:

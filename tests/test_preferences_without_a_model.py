@@ -151,5 +151,5 @@ def test_sessions_without_a_model_are_stored_and_told_apart(tmp_path: Path, caps
     assert found["certified"] == 1
     assert main(line) == 0  # from the stored session
     assert "preferred to every other candidate with probability at least 0.3" in capsys.readouterr().out
-    with pytest.raises(InputError, match="without a model of utility"):
+    with pytest.raises(InputError, match="a file of another kind, expected a 'bridge-rl asking session'"):
         load_session(tmp_path / "session-0000.json")

@@ -97,7 +97,7 @@ def load_session(path: Path, kind: str = KIND) -> dict[str, Any]:
     except (ValueError, RecursionError):
         raise InputError(f"{path} must hold JSON, and does not; give the file of a session.") from None
     if not isinstance(record, dict) or record.get("kind") != kind:
-        raise InputError(f"{path} is a file of another kind, expected the session of 'bridge-rl ask'.")
+        raise InputError(f"{path} is a file of another kind, expected a {kind!r} of 'bridge-rl ask'.")
     if record.get("format") != FORMAT:
         raise InputError(f"{path} has format {record.get('format')!r}, expected {FORMAT}; run the session again.")
     if record.get("digest") != record_digest(record):

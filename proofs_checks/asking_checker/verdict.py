@@ -26,7 +26,7 @@ class Verdict:
         seed: whose.
         verdict: certified, not certified, contradicted or refused.
         claims: whether the session claims a certificate.
-        reasons: why it is refused, or why its claim is not certified.
+        reasons: why it is refused, contradicted, or not certified.
         gap: nats above which the best candidate does not lie, rounded up (with a share: the slack, at most 0 where the
             goal is reached); infinite where there is none.
         target: nats; the gap that is the goal.
@@ -72,7 +72,7 @@ class Verdict:
         if self.verdict == "refused":
             return head + "REFUSED. " + " ".join(self.reasons)
         if self.verdict == "contradicted":
-            return head + "contradicted: no weights agree with these answers; nothing is certified."
+            return head + "contradicted. " + " ".join(self.reasons)
         about = f"after {self.answers} answers, about these {self.candidates} candidates ({self.policies} policies)"
         if self.verdict == "certified":
             return head + f"certified {about}: {self.goal}. Fails with probability at most {rounded_up(self.failure)}."

@@ -71,11 +71,11 @@ def _verdict(seed: int, given: Facts, claimed: Claims) -> Verdict:
         "assumptions": _assumptions(given),
     }
     if is_empty(log, region):
-        reasons = ("No weights agree with these answers; nothing is certified.",)
-        return Verdict(verdict="contradicted", reasons=reasons, **shared)
+        empty = "No weights agree with these answers; nothing is certified."
+        return Verdict(verdict="contradicted", reasons=(empty,), **shared)
     if claimed.contradicted:
-        reasons = ("The session's test of the model says so, which is not recomputed; nothing is certified.",)
-        return Verdict(verdict="contradicted", reasons=reasons, **shared)
+        said = "The session's test of the model says so, which is not recomputed; nothing is certified."
+        return Verdict(verdict="contradicted", reasons=(said,), **shared)
     if not is_inside(log, region.inside, least, fixed.weight_bound):
         return Verdict(verdict="not certified", reasons=("The likelihood set may be empty.",), **shared)
     found = certified_gap(given, region, claimed)

@@ -11,6 +11,7 @@ from typing import Any, Literal
 import numpy as np
 
 from bridge_theory.arithmetic import Value
+from bridge_theory.arithmetic.coq_terms import CoqTerms
 from bridge_theory.conditions import Condition
 from bridge_theory.errors import InputError
 from bridge_theory.estimation import certainly_holds, estimated, exact_points
@@ -58,6 +59,8 @@ class Formula:
 
     def __call__(self, m: Any, **values: Value) -> Value:
         """Evaluate over the arithmetic ``m``: for writing one formula in terms of another."""
+        if isinstance(m, CoqTerms):  # a definition refers to the other one by its name
+            return m.applied(self, values)
         return combined(m, self.function(m, **values))
 
     def estimate(self, **values: object) -> Any:

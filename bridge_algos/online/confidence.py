@@ -1,11 +1,12 @@
 r"""How wide the online confidence set is: multiplier gamma_t, bonuses, data matrix.
 
-Three versions, each a :class:`Confidence`:
+Four versions, each a :class:`Confidence`:
 
 - :func:`fixed`: hand-set numbers, as in the published runs;
 - :func:`stated`: the paper's formulas to the letter (appendix "Online Estimation"), with the bonus 2 eta where they are
   undefined (a pair seen at most once: log log N);
-- :func:`repaired`: audit R1, R2, R6: multiplier from the observed data matrix and the solver's own error, L1 bonus.
+- :func:`repaired`: audit R1, R2, R6: multiplier from the observed data matrix and the solver's own error, L1 bonus;
+- :func:`likelihood`: companion G5, G6: the ellipsoid around the likelihood set of the answers, without kappa; L1 bonus.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from typing import Literal
 import numpy as np
 
 import bridge_theory as theory
+from bridge_algos.asking.ellipsoid import Ellipsoid, likelihood_ellipsoid
 from bridge_algos.given import checked
 from bridge_algos.mdp import Dynamics, FloatArray, IntArray
 from bridge_algos.occupancy import total_occupancies
@@ -31,13 +33,17 @@ ROUNDING = 1 + 1e-9
 
 @dataclass(frozen=True, eq=False)
 class RoundState:
-    """What a multiplier may depend on at the start of round t; ``solver_error`` is NaN unless it says it needs it."""
+    """What a multiplier may depend on at the start of round t; ``solver_error`` is NaN unless it says it needs it.
+
+    ``ellipsoid``, whose matrix ``matrix`` then is, where the version of the confidence set has one.
+    """
 
     t: int
     matrix: FloatArray
     solver_error: float
     played_visits: list[FloatArray]
     counts_then: list[IntArray]
+    ellipsoid: Ellipsoid | None = None
 
     @cached_property
     def inverse_root(self) -> FloatArray:
@@ -55,7 +61,7 @@ class Confidence:
     """One version of the online confidence set.
 
     Args:
-        name: fixed, stated or repaired.
+        name: fixed, stated, repaired or likelihood.
         multiplier: gamma_t from the state of the round.
         step_bonus: maps pair counts N(s, a) (S, A) to bonuses per step (S, A); a policy's bonus is their
             expectation over its first ``bonus_steps`` steps, at most ``bonus_cap``.
@@ -65,6 +71,8 @@ class Confidence:
         pair_bonus: factor on the bonuses where the pair is chosen; Pi_t takes them as they are.
         needs_history: whether the multiplier needs the occupancies and counts of the pairs played so far.
         needs_error: whether it needs the solver's error.
+        ellipsoid: from differences (m, d) and answers (m,) to a set of weights, whose centre and matrix then replace the
+            fitted weights and the data matrix in Pi_t and the choice of the pair.
     """
 
     name: str
@@ -77,6 +85,7 @@ class Confidence:
     pair_bonus: float = 1.0
     needs_history: bool = False
     needs_error: bool = False
+    ellipsoid: Callable[[FloatArray, FloatArray], Ellipsoid] | None = None
 
 
 @checked
@@ -202,12 +211,53 @@ def repaired(
         return float(kappa * (beta + state.solver_error)) * ROUNDING
 
     eta = embedding_bound * weight_bound
+    step_bonus = _l1_bonus(eta, n_states, n_actions, delta_p)
+    return Confidence("repaired", multiplier, step_bonus, horizon - 1, 2 * eta, "observed", scale, needs_error=True)
+
+
+@checked
+def likelihood(
+    embedding_bound: float,
+    weight_bound: float,
+    n_states: int,
+    n_actions: int,
+    horizon: int,
+    lam: float,
+    delta_w: float,
+    delta_p: float,
+) -> Confidence:
+    r"""Companion G5 in audit R2 and R4: :math:`\Pi_t` and pair from an ellipsoid around the likelihood set; L1 bonus.
+
+    Spends delta_w on the weights and, for unknown dynamics, delta_p on the transitions, as :func:`repaired` does.
+    """
+    scale = _curvature(theory.kappa_differences, embedding_bound, weight_bound) * lam  # of the norm of projections
+    eta = embedding_bound * weight_bound
+
+    def radius(state: RoundState) -> float:
+        if state.ellipsoid is None:
+            raise InputError("the multiplier of the likelihood set must be asked with its ellipsoid, got none.")
+        return state.ellipsoid.radius
+
+    return Confidence(
+        "likelihood",
+        radius,
+        _l1_bonus(eta, n_states, n_actions, delta_p),
+        horizon - 1,
+        2 * eta,
+        "observed",
+        scale,
+        ellipsoid=lambda x, outcomes: likelihood_ellipsoid(x, outcomes, weight_bound, delta_w),
+    )
+
+
+def _l1_bonus(eta: float, n_states: int, n_actions: int, delta_p: float) -> Callable[[IntArray], FloatArray]:
+    """The bonus of audit R6 from pair counts."""
 
     def step_bonus(counts: IntArray) -> FloatArray:
         size = {"S": n_states, "A": n_actions, "delta_P": delta_p}
         return np.asarray(eta * theory.bonus_radius.estimate(N=counts, **size)) * ROUNDING
 
-    return Confidence("repaired", multiplier, step_bonus, horizon - 1, 2 * eta, "observed", scale, needs_error=True)
+    return step_bonus
 
 
 def pair_visits(dynamics: Dynamics, pair: IntArray) -> FloatArray:

@@ -234,10 +234,10 @@ def run_online(
     record = {name: np.full(rounds, np.nan) for name in RECORDED}
     for t in range(1, rounds + 1):
         clock = time.perf_counter()
-        state = RoundState(t, memory.matrix, view.error, memory.played_visits, memory.counts_then)
+        state, center = _state(t, learner, memory, view)
         gamma = learner.confidence.multiplier(state)
         z = view.features @ state.inverse_root.T
-        scores = view.features @ view.w
+        scores = view.features @ center
         upper, lower = scores + view.bonus, scores - view.bonus
         keeps = surviving(upper, lower[:-1], z, gamma, z[:-1])
         kept, optimum_kept = keeps[:-1], bool(keeps[-1])
@@ -288,6 +288,15 @@ def run_online(
                 }
             )
     return record
+
+
+def _state(t: int, learner: Learner, memory: Memory, view: _View) -> tuple[RoundState, FloatArray]:
+    """The state of round t, and the middle of its confidence set."""
+    past = view.error, memory.played_visits, memory.counts_then
+    if learner.confidence.ellipsoid is None:
+        return RoundState(t, memory.matrix, *past), view.w
+    ellipsoid = learner.confidence.ellipsoid(memory.x.values, memory.outcomes.values)
+    return RoundState(t, ellipsoid.matrix, *past, ellipsoid), ellipsoid.center
 
 
 def _start(problem: Problem, learner: Learner) -> Memory:

@@ -29,7 +29,7 @@ _CHOICES: dict[str, tuple[str, ...]] = {
     "expert": EXPERTS,
     "transition_model": ("counts", "mlp"),
     "candidates": ("exact", "rejection"),
-    "confidence": ("fixed", "stated", "repaired"),
+    "confidence": ("fixed", "stated", "repaired", "likelihood"),
     "oracle": ("returns", "bradley-terry"),
     "fit": ("exact", "adam"),
     "tie_break": get_args(TieBreak),
@@ -81,7 +81,8 @@ class RunConfig(Configuration):
         rounds, comparisons: T, and K trajectory pairs compared in a round.
         pair_rule: see :func:`bridge_algos.online.pair_rules.choose_pair`; unlike the paper's, no rule compares a policy
             with itself while another one is left.
-        confidence: ``"fixed"`` (then ``gamma`` and ``bonus_multiplier``), ``"stated"`` or ``"repaired"``.
+        confidence: ``"fixed"`` (then ``gamma`` and ``bonus_multiplier``), ``"stated"``, ``"repaired"`` or
+            ``"likelihood"``; see :mod:`bridge_algos.online.confidence`.
         oracle: ``"returns"`` with ``oracle_options`` of :class:`ReturnOracle`, or ``"bradley-terry"``.
         weight_bound: W; None chooses W = 1 / B, which makes utilities differ by at most 2.
         slope, lam, fit: of the preference model.

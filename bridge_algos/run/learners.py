@@ -9,7 +9,7 @@ import numpy as np
 from bridge_algos.mdp import FloatArray, IntArray
 from bridge_algos.offline.policy_set import PolicySet
 from bridge_algos.offline.transitions import estimate_transitions
-from bridge_algos.online.confidence import Confidence, fixed, repaired, stated
+from bridge_algos.online.confidence import Confidence, fixed, likelihood, repaired, stated
 from bridge_algos.online.loop import Learner
 from bridge_algos.run.candidates import Candidates, offline_candidates, search_space
 from bridge_algos.run.config import RunConfig
@@ -89,4 +89,6 @@ def _confidence(config: RunConfig, world: World, known: bool) -> Confidence:
     model = (embedding.bound, world.weight_bound, embedding.dimension)
     if config.confidence == "stated":
         return stated(*model, *size, config.rounds, config.lam, config.delta, known)
+    if config.confidence == "likelihood":
+        return likelihood(embedding.bound, world.weight_bound, *size, config.lam, config.delta, config.delta)
     return repaired(*model, *size, config.lam, config.delta, config.delta)

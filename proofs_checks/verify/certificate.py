@@ -14,7 +14,7 @@ from bridge_theory.rounding import rounded_up as decimals_above
 from proofs_checks.verify.comparator import Comparator
 from proofs_checks.verify.enclosed import FloatArray
 
-BOUNDS = ("trivial", "ucb", "width", "hindsight", "best")
+BOUNDS = ("trivial", "ucb", "width", "hindsight", "best", "likelihood")
 
 _SHOWN_REASONS = 5
 
@@ -32,9 +32,13 @@ class Certificate:
         assumptions: what no log can show.
         unshown: entries of the log that may be changed without a contradiction to its data, each with what of it is
             shown, "" for nothing.
-        spent: failure probability of each event that the bounds but ``"trivial"`` use; empty where there are none.
+        spent: failure probability of each event that the bounds of R4 use, all but ``"trivial"`` and ``"likelihood"``;
+            empty where there are none.
+        alone: failure probability of the ``"likelihood"`` bound (companion G6), by its name, on an event of its own;
+            empty where there is none.
         bounds: for each name of ``BOUNDS`` an array (T,) of upper bounds on :math:`\sum_{l\le t} r_l`, rounded up, in
-            utility :math:`\langle\phi, w^*\rangle`; infinite where not available.
+            utility :math:`\langle\phi, w^*\rangle`; infinite where not available. ``"best"`` is the least that follows
+            from those of R4 together.
         radius, solver_error: (T + 1,) rho_t and e_t of audit R1, rounded up.
         set_size: (T,) policies that are not certainly outside Pi_t.
     """
@@ -49,6 +53,7 @@ class Certificate:
     assumptions: tuple[str, ...]
     unshown: dict[str, str]
     spent: dict[str, float]
+    alone: dict[str, float]
     bounds: dict[str, FloatArray]
     radius: FloatArray
     solver_error: FloatArray
@@ -67,8 +72,9 @@ class Certificate:
 
     @property
     def failures(self) -> dict[str, float]:
-        """Failure probability of each bound alone: the trivial one cannot fail, the others hold together."""
-        return {name: 0.0 if name == "trivial" else self.failure for name in self.bounds}
+        """Failure probability of each bound: the trivial one cannot fail, those of R4 hold together."""
+        own = {"trivial": 0.0, "likelihood": 0.0} | self.alone
+        return {name: own.get(name, self.failure) for name in self.bounds}
 
     @property
     def sentences(self) -> dict[str, tuple[str, ...]]:
@@ -85,6 +91,11 @@ class Certificate:
             "bounds": (self.comparator.sentence,),
             "note": self.notes,
             "assuming": self.assumptions,
+            "likelihood": tuple(
+                "the bound of that name is from questions and answers alone (companion G6); it fails with probability "
+                f"at most {decimals_above(Fraction(repr(failure)))} of its own"
+                for failure in self.alone.values()
+            ),
             "taken at its word": tuple(partly) + ((f"nothing shows {', '.join(nothing)}",) if nothing else ()),
         }
 
@@ -106,6 +117,7 @@ class Certificate:
             "unshown": self.unshown,
             "failures": self.failures,
             "spent": self.spent,
+            "alone": self.alone,
             "bounds": {name: _finite(values) for name, values in self.bounds.items()},
             "radius": _finite(self.radius),
             "solver_error": _finite(self.solver_error),
@@ -130,7 +142,7 @@ def table(certificates: Sequence[Certificate]) -> str:
     lines = ["  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)) for row in rows]
     lines.append(
         "bounds on the regret after all rounds in utility <phi, w*>, each rounded up; the trivial one cannot fail, the "
-        "others hold together, but for the failure probability of their row"
+        "others but the likelihood one hold together, but for the failure probability of their row"
     )
     lines += [f"{kind} ({holders}): {sentence}" for kind, sentence, holders in shared(certificates)]
     for c in certificates:

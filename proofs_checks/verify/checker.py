@@ -2,7 +2,8 @@ r"""The checker: from a log to a certificate, trusting nothing that can be recom
 
 Two things are done side by side. The *certificate* comes from the trajectories, the answers, the candidates and the
 weights alone: data matrix, solver error and radius of audit R1 (for any weights in the ball, however they were found),
-bonuses of R6, the sets they give, and the regret bounds of R4. The *claims* of the run are recomputed by the run's own
+bonuses of R6, the sets they give, and the regret bounds of R4; and, from questions and answers alone, the likelihood
+set of companion G1' and the regret bound of G6. The *claims* of the run are recomputed by the run's own
 rule; a log that contradicts itself is not certified, whatever its bounds. Hence a hand-set or unproved multiplier costs
 a run nothing here but its own sets: the bounds use the certified radius, which holds for whatever was played.
 
@@ -20,7 +21,7 @@ from bridge_theory.arithmetic.flint_balls import working_precision
 from bridge_theory.errors import ComputationError
 from proofs_checks.verify.certificate import BOUNDS, Certificate
 from proofs_checks.verify.comparator import comparator
-from proofs_checks.verify.conditions import assumptions, events, notes, theory_withheld
+from proofs_checks.verify.conditions import assumptions, events, likelihood_withheld, notes, theory_withheld
 from proofs_checks.verify.consistency import contradictions
 from proofs_checks.verify.facts import Facts, facts
 from proofs_checks.verify.header import check_header, unshown
@@ -71,6 +72,7 @@ def _certificate(log: RunLog, given: Facts, reasons: list[str], walk: Walk | Non
         assumptions=assumptions(given) if certified else (),
         unshown=unshown(log, given) if certified else {},
         spent=spent,
+        alone={"likelihood": float(given.delta)} if certified and not likelihood_withheld(given) else {},
         bounds=walk.bounds() if walk is not None and certified else nothing,
         radius=np.full(rounds + 1, np.inf) if walk is None else walk.radius,
         solver_error=np.full(rounds + 1, np.inf) if walk is None else walk.errors,

@@ -34,10 +34,11 @@ class Replay:
         self.rule = rule_of(self.facts)
         self.history = History()
         self.expected = np.zeros((self.facts.table.dimension,) * 2)
+        self.answered: tuple[IntArray, FloatArray] = np.zeros((0, len(self.expected)), dtype=np.int64), np.zeros(0)
 
     def errors(self, t: int, view: View, gram: IntArray, differences: IntArray, outcomes: FloatArray) -> None:
         """The claimed solver error of the weights that round t uses."""
-        error = view.error
+        error, self.answered = view.error, (differences, outcomes)
         if self.rule.expected:
             own = data_matrix(self.rule.scale, gram)
             facts = self.facts
@@ -54,8 +55,11 @@ class Replay:
         facts, rule = self.facts, self.rule
         first, second = pair = facts.pairs[t - 1]
         scale = midpoint(rule.scale)
-        matrix = scale * np.eye(len(gram)) + (self.expected if rule.expected else gram)
+        matrix, scores = scale * np.eye(len(gram)) + (self.expected if rule.expected else gram), view.scores.mid
         gamma = rule.gamma(t, view.rho, self.history)
+        if rule.around is not None:
+            around = rule.around(*self.answered)
+            matrix, gamma, scores = around.matrix, around.radius, view.features.mid @ around.center
         bonus = self._bonus(view, counts, kernel)
         z = view.features.mid @ np.linalg.inv(np.linalg.cholesky(matrix)).T
         distance = float(np.linalg.norm(z[first] - z[second]))
@@ -65,7 +69,7 @@ class Replay:
         for claim, value in zip(facts.claims["bonus"][t - 1], bonus[pair], strict=True):
             if not abs(claim - value) <= TOLERANCE * (value + 1e-3):
                 self._fault(t, f"a bonus of the pair is claimed to be {claim:.6g}, recomputed {value:.6g}")
-        self._membership(t, view.scores.mid, z, gamma, bonus)
+        self._membership(t, scores, z, gamma, bonus)
         if counts is not None:
             self.history.visits.append(_visits(facts, kernel, pair))
             self.history.counts.append(counts.sum(axis=2))

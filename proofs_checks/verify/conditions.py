@@ -21,8 +21,7 @@ def theory_withheld(given: Facts) -> list[str]:
     total = sum(events(given).values(), start=Fraction(0))
     counted = bool(given.offline.any())
     reasons = {
-        f"the answers come from the oracle {config['oracle']!r}, not from the Bradley-Terry model": config["oracle"]
-        != "bradley-terry",
+        _teacher(given): config["oracle"] != "bradley-terry",
         f"the fitted slope is {float(given.slope):g}, not the Bradley-Terry model's 1": given.slope != 1,
         "noise changed the recorded actions, so that counts are not those of the environment": config["noise"] != 0
         and counted,
@@ -34,11 +33,26 @@ def theory_withheld(given: Facts) -> list[str]:
     return [reason for reason, holds in reasons.items() if holds]
 
 
+def likelihood_withheld(given: Facts) -> list[str]:
+    """Why there is no bound from the likelihood set (companion G6); it needs neither fitted weights nor their slope."""
+    reasons = {
+        "the learner did not know the dynamics": not given.known,
+        _teacher(given): given.configuration["oracle"] != "bradley-terry",
+    }
+    return [reason for reason, holds in reasons.items() if holds]
+
+
+def _teacher(given: Facts) -> str:
+    oracle = given.configuration["oracle"]
+    return f"the answers come from the oracle {oracle!r}, not from the Bradley-Terry model"
+
+
 def notes(given: Facts) -> tuple[str, ...]:
     """What limits the bounds of a certificate."""
     withheld = theory_withheld(given)
     if withheld:
-        return tuple(f"only the trivial bound is certified: {reason}" for reason in withheld)
+        left = "bound is" if likelihood_withheld(given) else "and the likelihood bounds are"
+        return tuple(f"only the trivial {left} certified: {reason}" for reason in withheld)
     kinds = {"fixed": "hand-set multiplier and bonuses have", "stated": "stated multiplier and bonuses have"}
     kind = kinds.get(given.configuration["confidence"])
     if kind is None:
@@ -54,12 +68,13 @@ def assumptions(given: Facts) -> tuple[str, ...]:
     if given.configuration["environment"].endswith(".npz"):
         kept = "dynamics" if given.known else "first states"
         found.append(f"the {kept} in the log are those of its environment's file")
+    answered = "answers are independent given the trajectories and follow the Bradley-Terry model with w*"
     if theory_withheld(given):
-        return tuple(found)
+        return (*found, *(() if likelihood_withheld(given) else (answered,)))
     counted = " and demonstrations" if given.offline.any() else ""
     return (
         *found,
-        "answers are independent given the trajectories and follow the Bradley-Terry model with w*",
+        answered,
         f"trajectories{counted} are fresh, independent draws from the real environment, also the two rollouts of a "
         "comparison",
     )

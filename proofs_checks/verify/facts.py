@@ -34,7 +34,7 @@ MOST_PRODUCTS = 6 * 10**10
 """Products of balls in the data matrices of all rounds together, d^3 in each: about ten minutes."""
 
 _CHOICES = {
-    "confidence": ("fixed", "stated", "repaired"),
+    "confidence": ("fixed", "stated", "repaired", "likelihood"),
     "oracle": ("returns", "bradley-terry"),
     "empty_row": ("self_loop", "uniform"),
     "transition_model": ("counts", "mlp"),

@@ -96,9 +96,9 @@ def hindsight(view: View, possible: NDArray[np.bool_], plays: IntArray, weight_b
         plays: (N,) how often each candidate was played, 2 t in total.
     """
     rounds = int(plays.sum()) // 2
-    sums = _excess(view.features, plays, rounds)
+    sums = excess(view.features, plays, rounds)
     column = product(sums, Enclosed(view.w[:, None], 0.0))
-    reach = view.rho * view.matrix.largest_norms(_excess(view.whitened, plays, rounds))
+    reach = view.rho * view.matrix.largest_norms(excess(view.whitened, plays, rounds))
     norms = largest_norms(sums)
     highest = column.mid[:, 0] + column.rad
     bonus = 2 * (rounds - plays) * view.bonus + float(plays @ view.bonus)
@@ -109,7 +109,7 @@ def hindsight(view: View, possible: NDArray[np.bool_], plays: IntArray, weight_b
     return enlarged(max(0.0, float(values[possible].max(initial=0.0))))
 
 
-def _excess(rows: Enclosed, plays: IntArray, rounds: int) -> Enclosed:
+def excess(rows: Enclosed, plays: IntArray, rounds: int) -> Enclosed:
     """rounds * row - (the sum of the rows played) / 2, for every row."""
     played = product(Enclosed(plays[None] / 2, 0.0), rows)
     return difference(Enclosed(rounds * rows.mid, enlarged(rounds * (rows.rad + UNIT * rows.size))), played)

@@ -1,15 +1,16 @@
-"""How wide a run says its confidence set is: the three rules, written down a second time to contradict the run."""
+"""How wide a run says its confidence set is: the four rules, written down a second time to contradict the run."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 import bridge_theory as theory
 from bridge_theory.arithmetic.balls import BALLS
 from bridge_theory.arithmetic.flint_balls import Ball, ball
+from proofs_checks.verify.around import Around, ellipsoid_around
 from proofs_checks.verify.ellipsoid import certified_scale
 from proofs_checks.verify.enclosed import FloatArray
 from proofs_checks.verify.facts import Facts
@@ -33,23 +34,35 @@ class Rule:
         expected: the matrix takes in the expected differences of the pairs, not the observed ones of trajectories.
         gamma: multiplier in round t from the certified radius rho_t and the history.
         costs: bonus of a pair of state and action from its count; None for the L1 bonus of audit R6.
+        around: from the answers so far to an ellipsoid of weights, whose centre, matrix and radius are then used instead
+            of the logged weights, the data matrix and ``gamma``.
     """
 
     scale: Ball
     expected: bool
     gamma: Callable[[int, float, History], float]
     costs: Callable[[IntArray], FloatArray] | None = None
+    around: Callable[[IntArray, FloatArray], Around] | None = None
 
 
 def rule_of(facts: Facts) -> Rule:
     """The rule that a log's configuration names."""
-    rules = {"fixed": _fixed, "stated": _stated, "repaired": _repaired}
+    rules = {"fixed": _fixed, "stated": _stated, "repaired": _repaired, "likelihood": _likelihood}
     return rules[facts.configuration["confidence"]](facts)
 
 
 def _repaired(facts: Facts) -> Rule:
     scale = certified_scale(feature_bound(facts.table), ball(facts.weight_bound), ball(facts.lam))
     return Rule(scale, expected=False, gamma=lambda _t, rho, _history: rho)
+
+
+def _likelihood(facts: Facts) -> Rule:
+    weight_bound, delta, slope = float(facts.weight_bound), float(facts.delta), float(facts.slope)
+
+    def around(differences: IntArray, outcomes: FloatArray) -> Around:
+        return ellipsoid_around(slope * differences, outcomes, weight_bound, delta)
+
+    return replace(_repaired(facts), around=around)
 
 
 def _fixed(facts: Facts) -> Rule:

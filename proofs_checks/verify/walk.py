@@ -7,12 +7,14 @@ import numpy as np
 from bridge_theory.arithmetic.flint_balls import ball, ends
 from bridge_theory.errors import ComputationError
 from proofs_checks.verify.claims import Replay
-from proofs_checks.verify.conditions import theory_withheld
+from proofs_checks.verify.conditions import likelihood_withheld, theory_withheld
 from proofs_checks.verify.ellipsoid import certified_scale, data_matrix, radius, solver_error
 from proofs_checks.verify.enclosed import Enclosed, FloatArray, cumulative, enlarged, largest_norms, raised
 from proofs_checks.verify.facts import Facts, add_transitions
+from proofs_checks.verify.evidence import Answers
 from proofs_checks.verify.features import IntArray, estimated_kernel, expectations, feature_bound, row_radii
-from proofs_checks.verify.regret import View, best_bounds, diameter, hindsight, round_bounds
+from proofs_checks.verify.likelihood import checked_rounds, likelihood_bound
+from proofs_checks.verify.regret import View, best_bounds, diameter, excess, hindsight, round_bounds
 
 
 class Walk:
@@ -30,6 +32,8 @@ class Walk:
         self.differences, self.outcomes = np.empty((0, d), dtype=np.int64), np.empty(0)
         self.radius, self.errors = np.full(rounds + 1, np.inf), np.full(rounds + 1, np.inf)
         self.set_size, self.hindsight = np.full(rounds, np.nan), np.full(rounds, np.inf)
+        self.likelihood = np.full(rounds, np.inf)
+        self.checked = set() if likelihood_withheld(given) else checked_rounds(rounds)
         self.steps = {name: np.full(rounds, np.inf) for name in ("trivial", "ucb", "width")}
 
     def run(self) -> None:
@@ -52,6 +56,8 @@ class Walk:
                     )
                 if t > 1:
                     self.hindsight[t - 2] = hindsight(view, ever, plays, self.highest_weight)
+            if t - 1 in self.checked:
+                self.likelihood[t - 2] = self._likelihood(t, features, plays)
             if t > given.rounds:
                 return
             self.replay.round(t, view, gram, self.counts, kernel)
@@ -68,7 +74,19 @@ class Walk:
     def bounds(self) -> dict[str, FloatArray]:
         """Cumulative bounds by name."""
         sums = {name: cumulative(values) for name, values in self.steps.items()}
-        return sums | {"hindsight": self.hindsight, "best": best_bounds(self.steps, self.hindsight)}
+        best = best_bounds(self.steps, self.hindsight)
+        # no round has negative regret, so that a bound on later rounds is one on fewer
+        likelihood = np.minimum.accumulate(self.likelihood[::-1])[::-1]
+        return sums | {"hindsight": self.hindsight, "best": best, "likelihood": likelihood}
+
+    def _likelihood(self, t: int, features: Enclosed, plays: IntArray) -> float:
+        """The bound of companion G6 from the answers before round t."""
+        given = self.facts
+        answers = Answers.counted(self.differences, self.outcomes)
+        try:
+            return likelihood_bound(answers, excess(features, plays, t - 1), given.weight_bound, given.delta)
+        except ComputationError as error:
+            raise ComputationError(f"round {t}: {error}") from None
 
     def _model(self) -> tuple[FloatArray, Enclosed, FloatArray]:
         """Kernel, features and bonuses as the data so far have them."""

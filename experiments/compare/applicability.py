@@ -22,16 +22,20 @@ def missing_of_certified(subject: Subject) -> tuple[str, ...]:
     )
 
 
-def missing_of_repaired(subject: Subject) -> tuple[str, ...]:
-    """Assumptions of R4, R5 and R7 that the run does not meet."""
+def missing_of_repaired(subject: Subject, sets: tuple[str, ...] = ("repaired",)) -> tuple[str, ...]:
+    """Assumptions of R4, R5 and R7 that the run does not meet.
+
+    Args:
+        sets: with which confidence sets the theorem holds; R4 also with the likelihood set (companion G6).
+    """
     config = subject.config
     found = _of_every_theorem(subject)
-    if config.confidence != "repaired":
+    if config.confidence not in sets:
         found.append(f"it is about the repaired sets, this run used the {config.confidence} ones")
     exact_pairs = ("uncertainty_and_bonus", "max_uncertainty") if subject.known else ("uncertainty_and_bonus",)
     if config.pair_rule not in exact_pairs:
         found.append(f"the pair rule {config.pair_rule} does not play the arg-max pair")
-    if config.fit != "exact":
+    if config.fit != "exact" and config.confidence != "likelihood":  # whose set needs no fitted weights
         found.append("the weights are not at their optimum")
     return tuple(found)
 

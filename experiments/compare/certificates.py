@@ -17,7 +17,10 @@ from bridge_algos.run.log_file import RunLog, load_log, log_files, log_path
 from bridge_theory.errors import InputError
 from proofs_checks.verify import Certificate, verify
 
-SOURCE, CHECKER = "audit R4", "proofs_checks.verify"
+SOURCES = {"best": "audit R4", "likelihood": "companion G6"}
+"""Where the certified bounds that are drawn come from, by their names in a certificate."""
+
+CHECKER = "proofs_checks.verify"
 
 
 def certificates(
@@ -39,12 +42,15 @@ def certificates(
 
 
 def certified(
-    found: dict[tuple[str, int], Certificate] | str, algorithm: str, seeds: list[int]
+    found: dict[tuple[str, int], Certificate] | str, algorithm: str, seeds: list[int], bound: str = "best"
 ) -> tuple[FloatArray, float]:
-    """The least of the bounds of R4, (seeds, T) in units of utility, and their failure probability for one seed.
+    """A certified bound, (seeds, T) in units of utility, and its failure probability for one seed.
+
+    Args:
+        bound: a name of ``SOURCES``: ``"best"``, the least of the bounds of R4, or ``"likelihood"``.
 
     Raises:
-        InputError: when a seed has no log, or its log is not certified.
+        InputError: when a seed has no log, its log is not certified, or does not give the bound.
     """
     if isinstance(found, str):
         raise InputError(f"the checker does not take the logs: {found}")
@@ -57,7 +63,10 @@ def certified(
     refused = next((item for item in own if not item.certified), None)
     if refused is not None:
         raise InputError(f"the log of seed {refused.seed} is not certified: {refused.reasons[0]}")
-    return np.array([item.bounds["best"] for item in own]), max(item.failure for item in own)
+    values = np.array([item.bounds[bound] for item in own])
+    if not np.isfinite(values).all():
+        raise InputError(f"the checker certifies no {bound} bound of this run: {'; '.join(own[0].notes)}")
+    return values, max(item.failures[bound] for item in own)
 
 
 def verified(path: Path, config: RunConfig, results: xr.Dataset) -> tuple[Certificate, ...]:

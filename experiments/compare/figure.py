@@ -13,6 +13,7 @@ from experiments.compare.comparison import Comparison, Row
 LINES: dict[str, dict[str, Any]] = {
     "trivial": {"color": "#777777", "linestyle": "-", "linewidth": 1.1},
     "certified": {"color": "#009E73", "linestyle": "-", "linewidth": 1.6},
+    "answers": {"color": "#009E73", "linestyle": (0, (5, 1)), "linewidth": 1.6},
     "a-priori": {"color": "#E69F00", "linestyle": (0, (6, 2)), "linewidth": 1.4},
     "played": {"color": "#CC79A7", "linestyle": (0, (3, 1, 1, 1)), "linewidth": 1.4},
     "stated": {"color": "#D55E00", "linestyle": "-", "linewidth": 1.6},

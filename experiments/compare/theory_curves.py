@@ -17,10 +17,10 @@ from bridge_algos.mdp import FloatArray
 from bridge_theory.bound import Bound, Rate
 from bridge_theory.errors import InputError
 from experiments.compare.applicability import missing_of_certified, missing_of_repaired, missing_of_stated
-from experiments.compare.certificates import CHECKER, SOURCE, certified
+from experiments.compare.certificates import CHECKER, SOURCES, certified
 from experiments.compare.subject import Subject
 
-Kind = Literal["trivial", "certified", "a-priori", "played", "stated", "stated-sums", "rate"]
+Kind = Literal["trivial", "certified", "answers", "a-priori", "played", "stated", "stated-sums", "rate"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,9 +81,10 @@ def _versions(subject: Subject) -> list[tuple[str, Callable[[Subject, str], Curv
         ("trivial, 2BWT", _trivial),
         ("certified from the data (R4)", _certified),
         (f"a priori, repaired ({'R5' if subject.known else 'R7'})", _apriori),
-        ("from the widths played (R4)", _played) if subject.config.confidence == "repaired" else _SUMS[subject.known],
+        ("from the widths played (R4)", _played) if subject.config.confidence in ("repaired", "likelihood") else _SUMS[subject.known],
     ]
     if subject.known:
+        versions.insert(2, ("certified from the answers (G6)", _answers))
         versions.append(("stated theorem", _stated))
     return [*versions, ("rate (scaled to touch), not a bound", _rate)]
 
@@ -93,9 +94,18 @@ def _trivial(subject: Subject, label: str) -> Curve:
 
 
 def _certified(subject: Subject, label: str) -> Curve:
+    return _of_the_checker(subject, "certified", label, "best")
+
+
+def _answers(subject: Subject, label: str) -> Curve:
+    return _of_the_checker(subject, "answers", label, "likelihood")
+
+
+def _of_the_checker(subject: Subject, kind: Kind, label: str, bound: str) -> Curve:
     seeds = [int(seed) for seed in subject.results.seed.values]
-    values, failure = certified(subject.certificates, subject.algorithm, seeds)
-    return Curve("certified", label, SOURCE, CHECKER, subject.at_rounds(values), failure, missing_of_certified(subject))
+    values, failure = certified(subject.certificates, subject.algorithm, seeds, bound)
+    missing = missing_of_certified(subject)
+    return Curve(kind, label, SOURCES[bound], CHECKER, subject.at_rounds(values), failure, missing)
 
 
 def _apriori(subject: Subject, label: str) -> Curve:
@@ -133,7 +143,7 @@ def _played(subject: Subject, label: str) -> Curve:
     events = 1 + (not subject.known) + (subject.config.radius != "zero")
     return Curve(
         "played", label, theory.regret_width.source, theory.regret_width.name, np.array(values),
-        min(1.0, events * subject.config.delta), missing_of_repaired(subject),
+        min(1.0, events * subject.config.delta), missing_of_repaired(subject, ("repaired", "likelihood")),
     )  # fmt: skip
 
 

@@ -21,12 +21,14 @@ _NAMES = {
     "ucb": "optimism (UCB)",
     "width": "width",
     "hindsight": "hindsight",
-    "best": "best of all",
+    "best": "best of these",
+    "likelihood": "likelihood set",
 }
 _TITLES = {
     "bounds": "What the bounds are on",
     "note": "Notes",
     "assuming": "What no log can show",
+    "likelihood": "The likelihood set",
     "taken at its word": "What is taken at its word",
 }
 
@@ -56,7 +58,7 @@ def certificates_html(directory: Path, config: RunConfig, results: xr.Dataset, m
     caption = (
         '<p class="quiet">Regret after the last round, in utility: what happened, against the best stationary policy '
         "found, and what the log proves, against the policy named below. The trivial bound cannot fail; the others "
-        "hold together, but for the failure probability.</p>"
+        "but that of the likelihood set hold together, but for the failure probability.</p>"
     )
     reasons = _listed("Why not", [f"{i.algorithm}, seed {i.seed}: {r}" for i in found for r in i.reasons])
     told = "".join(

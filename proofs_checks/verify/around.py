@@ -43,7 +43,7 @@ def ellipsoid_around(x: FloatArray, outcomes: FloatArray, weight_bound: float, d
     for _ in range(PASSES):
         r = np.maximum(np.abs(intervals - z).max(axis=0), 1e-4)
         weights = np.exp(_log_sigmoid(z) + _log_sigmoid(-z)) * 2 * (np.expm1(-r) + r) / r**2
-        matrix = np.einsum("s,si,sj->ij", weights, x, x) + eta * np.eye(d)
+        matrix = x.T @ (weights[:, None] * x) + eta * np.eye(d)
         width = np.sqrt(square * np.einsum("si,si->s", x, np.linalg.solve(matrix, x.T).T))
         intervals = np.stack([np.maximum(intervals[0], z - width), np.minimum(intervals[1], z + width)])
     return Around(w, matrix, float(np.sqrt(square)))
@@ -55,7 +55,7 @@ def _evidence(x: FloatArray, outcomes: FloatArray, precision: float) -> float:
     pull = x.T @ (outcomes - 0.5)
     for step in range(STEPS + 1):
         kappa = slope_of(points)
-        matrix = precision * np.eye(d) + 2 * np.einsum("s,si,sj->ij", kappa, x, x)
+        matrix = precision * np.eye(d) + 2 * x.T @ (kappa[:, None] * x)
         m = np.linalg.solve(matrix, pull)
         if step < STEPS:
             points = np.sqrt((x @ m) ** 2 + np.einsum("si,si->s", x, np.linalg.solve(matrix, x.T).T))
@@ -74,7 +74,7 @@ def _fit(x: FloatArray, outcomes: FloatArray, eta: float) -> FloatArray:
     for _ in range(60):
         p = np.exp(_log_sigmoid(x @ w))
         gradient = x.T @ (outcomes - p) - eta * w
-        step = np.linalg.solve(np.einsum("s,si,sj->ij", p * (1 - p), x, x) + eta * np.eye(len(w)), gradient)
+        step = np.linalg.solve(x.T @ ((p * (1 - p))[:, None] * x) + eta * np.eye(len(w)), gradient)
         rise, length = float(gradient @ step), 1.0
         if rise < 1e-20:
             break

@@ -40,7 +40,7 @@ OTHERS: dict[str, list[Any]] = {
     "transition_model": ["mlp"],
     "empty_row": ["uniform"],
     "pair_rule": ["max_uncertainty", "ucb", "greedy_vs_random"],
-    "confidence": ["fixed", "stated", "repaired"],
+    "confidence": ["fixed", "stated", "repaired", "likelihood"],
     "oracle": ["returns", "bradley-terry"],
     "oracle_options": [{"mistakes": 0.2}, {"rationality": 1.0}, {"equal_within": 0.5}],
     "environment": ["gridworld", "starmdp-text", "here.npz"],

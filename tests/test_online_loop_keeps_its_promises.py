@@ -57,7 +57,7 @@ def test_exact_and_sampled_features_tell_the_same_story() -> None:
 
 
 @pytest.mark.parametrize("rule", ["uncertainty_and_bonus", "max_uncertainty", "ucb", "greedy_vs_random"])
-@pytest.mark.parametrize("confidence", ["fixed", "stated", "repaired"])
+@pytest.mark.parametrize("confidence", ["fixed", "stated", "repaired", "likelihood"])
 def test_every_rule_and_multiplier_runs(rule: str, confidence: str) -> None:
     config = preset("theory", "starmdp").but(
         rounds=3, pair_rule=rule, confidence=confidence, algorithms=("bridge", "bridge-known", "pbrl")

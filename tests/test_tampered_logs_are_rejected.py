@@ -164,7 +164,9 @@ def model(log: RunLog, algorithm: str) -> Mutations:
         "rounds": [ROUNDS - 1, ROUNDS + 1, "5", None],
         "comparisons": [config["comparisons"] + 1, 0, True],
         "embedding": ["identity_short", "state_counts", "final_state", "unknown", 3],
-        "confidence": [name for name in ("fixed", "stated", "repaired", "none") if name != config["confidence"]],
+        "confidence": [
+            name for name in ("fixed", "stated", "repaired", "likelihood", "none") if name != config["confidence"]
+        ],
         "environment": ["gridworld", "starmdp-text", "nowhere", 5],
         "environment_options": [{"horizon": 9}, {"size": 3}, 5, {"horizon": "8"}],
         "algorithms": [["pbrl"], "none"],

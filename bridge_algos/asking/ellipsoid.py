@@ -7,7 +7,8 @@ x_s, \hat w\rangle`, :math:`c_s = 2\sigma'(z_s)(e^{-r_s} + r_s - 1)/r_s^2` and
 .. math:: A = \sum_s c_s x_s x_s^\top + \eta I, \quad u = \eta\hat w - \nabla\ell(\hat w), \quad
    \rho^2 = 2(\ell(\hat w) - Q + \log(1/\delta)) + \eta(W^2 - \|\hat w\|^2) + \|u\|^2_{A^{-1}} .
 
-Then :math:`\|w^* - (\hat w - A^{-1}u)\|_A \le \rho`, and the set is empty when :math:`\rho^2 < 0`. The ellipsoid tells
+Then :math:`\|w^* - (\hat w - A^{-1}u)\|_A \le \rho`, and the set is empty when :math:`\rho^2 < 0`. Here
+:math:`\hat w` maximises :math:`\ell(w) - \eta\|w\|^2/2`, so that u vanishes but for rounding. The ellipsoid tells
 more about each :math:`\langle x_s, w^*\rangle`, so that a further pass makes it smaller.
 
 The evidence Q is Jaakkola and Jordan's: it needs no integral, and a checker finds the same number from the answers.
@@ -31,6 +32,9 @@ PASSES = 4
 
 TANGENT_STEPS = 8
 """How often the points of Jaakkola and Jordan's bound are improved; it holds for any."""
+
+MOST_DOUBLINGS = 60
+"""How often eta is doubled to bring the fit into the ball; the ellipsoid is right for any."""
 
 ROUNDING = 1e-9
 """Relative to the terms of a number, what is added or taken away for the rounding of double arithmetic."""
@@ -70,8 +74,7 @@ def likelihood_ellipsoid(x: FloatArray, outcomes: FloatArray, weight_bound: floa
     True
     """
     d = x.shape[1]
-    eta = d / weight_bound**2
-    w = fit_exact(x, outcomes, eta, np.zeros(d))
+    eta, w = _shrunken_fit(x, outcomes, weight_bound)
     z = x @ w
     likelihood = _log_likelihood(z, outcomes)
     level = evidence(x, outcomes, weight_bound) - log(1 / delta)
@@ -127,6 +130,18 @@ def _quadratic_evidence(x: FloatArray, outcomes: FloatArray, precision: float) -
     parts = float(heights.sum()), float(pull @ mean) / 2, log_det(root) / 2, d * log(precision) / 2
     value = parts[0] + parts[1] - parts[2] + parts[3]
     return value - ROUNDING * (1 + float(np.abs(heights).sum()) + sum(map(abs, parts)))
+
+
+def _shrunken_fit(x: FloatArray, outcomes: FloatArray, weight_bound: float) -> tuple[float, FloatArray]:
+    """The first eta of d / W^2, twice that, ... whose maximiser of l(w) - eta ||w||^2 / 2 is in the ball, and that."""
+    d = x.shape[1]
+    eta, w = d / weight_bound**2, np.zeros(d)
+    for _ in range(MOST_DOUBLINGS):
+        w = fit_exact(x, outcomes, eta, w)
+        if np.linalg.norm(w) <= weight_bound:
+            break
+        eta *= 2
+    return eta, w
 
 
 def _log_likelihood(z: FloatArray, outcomes: FloatArray) -> float:

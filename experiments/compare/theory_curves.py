@@ -81,7 +81,9 @@ def _versions(subject: Subject) -> list[tuple[str, Callable[[Subject, str], Curv
         ("trivial, 2BWT", _trivial),
         ("certified from the data (R4)", _certified),
         (f"a priori, repaired ({'R5' if subject.known else 'R7'})", _apriori),
-        ("from the widths played (R4)", _played) if subject.config.confidence in ("repaired", "likelihood") else _SUMS[subject.known],
+        ("from the widths played (R4)", _played)
+        if subject.config.confidence in ("repaired", "likelihood")
+        else _SUMS[subject.known],
     ]
     if subject.known:
         versions.insert(2, ("certified from the answers (G6)", _answers))

@@ -1,7 +1,8 @@
 r"""The ellipsoid of a run with ``confidence="likelihood"`` (companion G5), written down a second time.
 
 It serves to contradict the run's claims: no bound of a certificate uses it. With :math:`\hat w` the maximiser of
-:math:`\ell(w) - \eta\|w\|^2/2`, :math:`\eta = d/W^2`, and :math:`r_s` from the enclosure of each :math:`\langle x_s, w
+:math:`\ell(w) - \eta\|w\|^2/2`, :math:`\eta` the first of :math:`d/W^2, 2d/W^2, 4d/W^2, \dots` for which it is in
+the ball, and :math:`r_s` from the enclosure of each :math:`\langle x_s, w
 \rangle` so far, :math:`A = \sum_s\sigma'(z_s)\,2(e^{-r_s} + r_s - 1)/r_s^2\,x_sx_s^\top + \eta I` and
 
 .. math:: \rho^2 = 2(\ell(\hat w) - Q + \log(1/\delta)) + \eta(W^2 - \|\hat w\|^2) .
@@ -30,11 +31,14 @@ class Around(NamedTuple):
 def ellipsoid_around(x: FloatArray, outcomes: FloatArray, weight_bound: float, delta: float) -> Around:
     """The ellipsoid after the answers (m,) to differences (m, d); the ball of all weights where nothing is left."""
     d = x.shape[1]
-    eta = d / weight_bound**2
-    w = _fit(x, outcomes, eta)
+    unit = d / weight_bound**2
+    eta, w = unit, _fit(x, outcomes, unit)
+    while np.linalg.norm(w) > weight_bound and eta < unit * 2.0**59:
+        eta *= 2
+        w = _fit(x, outcomes, eta)
     z = x @ w
     likelihood = float(np.sum(outcomes * _log_sigmoid(z) + (1 - outcomes) * _log_sigmoid(-z)))
-    evidence = np.log(np.mean([np.exp(_evidence(x, outcomes, k * eta) - likelihood) for k in SCALES])) + likelihood
+    evidence = np.log(np.mean([np.exp(_evidence(x, outcomes, k * unit) - likelihood) for k in SCALES])) + likelihood
     square = 2 * (likelihood - evidence - np.log(delta)) + eta * (weight_bound**2 - w @ w)
     if square < 0:
         return Around(np.zeros(d), np.eye(d), weight_bound)

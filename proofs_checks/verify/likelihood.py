@@ -104,9 +104,7 @@ def _best_multipliers(v: FloatArray, g: FloatArray, height: float, weight_bound:
     return np.asarray(np.maximum(ratio * across / np.sqrt(1 - ratio**2) - along, 0) / np.sqrt(squared))
 
 
-def likelihood_bound(
-    answers: Answers, directions: Enclosed, weight_bound: Fraction, delta: Fraction
-) -> float:
+def likelihood_bound(answers: Answers, directions: Enclosed, weight_bound: Fraction, delta: Fraction) -> float:
     """An upper bound on the largest <m, w> over all directions (N, d) and all w of the likelihood set.
 
     Raises:
@@ -118,17 +116,19 @@ def likelihood_bound(
     highest = ends(ball(weight_bound))[1]
     start = fit_in_ball(answers, float(weight_bound), np.zeros(directions.mid.shape[1]))
     at = tangent(answers, level, start)
-    if enlarged(float(largest_norms(at.gradient)[0])) * highest * (1 + 8 * UNIT) + at.height < -8 * UNIT * abs(at.height):
+    if enlarged(float(largest_norms(at.gradient)[0])) * highest * (1 + 8 * UNIT) + at.height < -8 * UNIT * abs(
+        at.height
+    ):
         raise ComputationError(
             "no weights of norm at most W are as likely as the answers demand, so that they contradict the "
             "Bradley-Terry model or W"
         )
     bounds = np.minimum(highest * largest_norms(directions) * (1 + 8 * UNIT), dual_bounds(directions, at, highest))
     floor, inside = midpoint(level), at.height + float(at.gradient.mid[0] @ start) > 0
-    reached = 0.0
+    reached, nothing = 0.0, 1e-9 * highest * directions.size
     for _ in range(MOST_POINTS if inside else 0):
         top = int(bounds.argmax())
-        if bounds[top] <= reached + CLOSE * abs(reached):
+        if bounds[top] <= reached + CLOSE * abs(reached) + nothing or not directions.mid[top].any():
             break
         w = farthest(answers, floor, float(weight_bound), directions.mid[top], start)
         reached = max(reached, float((directions.mid @ w).max()))

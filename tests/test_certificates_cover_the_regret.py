@@ -19,7 +19,7 @@ def test_the_certified_bound_covers_the_regret_of_200_seeds() -> None:
     """StarMDP, known dynamics, Bradley-Terry answers, theory preset, T = 25; exact binomial test over seeds."""
     config = preset("theory", "starmdp").but(algorithms=("bridge-known",))
     world = build_world(config)
-    regrets, bounds = [], []
+    regrets, bounds, answers = [], [], []
     for seed in range(SEEDS):
         dataset, log = logged_seed(config, world, seed)
         (certificate,) = verify(log)
@@ -27,13 +27,15 @@ def test_the_certified_bound_covers_the_regret_of_200_seeds() -> None:
         assert certificate.failure == config.delta
         regrets.append(world.utility_scale * np.cumsum(dataset.pseudo_regret.sel(algorithm="bridge-known").values))
         bounds.append(certificate.bounds["best"])
-    regret, bound = np.array(regrets), np.array(bounds)
+        answers.append(certificate.bounds["likelihood"])
+    regret = np.array(regrets)
     assert regret.shape == (SEEDS, 25)
 
-    def covered(divisor: float) -> Coverage:
-        failed = (bound / divisor < regret - ROUNDING).any(axis=1)
+    def covered(bound: list[np.ndarray], divisor: float) -> Coverage:
+        failed = (np.array(bound) / divisor < regret - ROUNDING).any(axis=1)
         return Coverage(Fraction(config.delta), SEEDS, int(failed.sum()))
 
-    assert covered(1).false_alarm < FALSE_ALARM
-    assert covered(1).passes
-    assert not covered(10).passes  # the test can fail: bounds ten times smaller are refuted by the same runs
+    for bound in (bounds, answers):  # each on an event of that probability
+        assert covered(bound, 1).false_alarm < FALSE_ALARM
+        assert covered(bound, 1).passes
+        assert not covered(bound, 10).passes  # the test can fail: bounds ten times smaller are refuted by the same runs

@@ -17,12 +17,12 @@ from bridge_algos.run.config import preset
 from bridge_algos.run.log import logged_seed
 from bridge_algos.run.log_file import RunLog
 from bridge_algos.run.world import build_world
-from bridge_theory.arithmetic.flint_balls import ends, working_precision
+from bridge_theory.arithmetic.flint_balls import ball, ends, working_precision
 from bridge_theory.errors import ComputationError
 from proofs_checks.verify import Certificate, verify
 from proofs_checks.verify.enclosed import Enclosed
 from proofs_checks.verify.evidence import SCALES, Answers, log_evidence
-from proofs_checks.verify.likelihood import likelihood_bound
+from proofs_checks.verify.likelihood import dual_bounds, likelihood_bound, tangent
 
 DELTA = 0.05
 RANGE_5 = 2.15
@@ -153,6 +153,41 @@ def test_answers_that_no_weights_explain_leave_no_small_set() -> None:
     answers = Answers.counted(x.astype(np.int64), o)
     with working_precision(96), pytest.raises(ComputationError, match="contradict the Bradley-Terry model or W"):
         likelihood_bound(answers, Enclosed(np.ones((1, 1)), 0.0), Fraction(1, 20), Fraction(1, 20))
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_any_point_bounds_every_weight_of_the_set(seed: int) -> None:
+    """Whatever a search found, outside of the ball too."""
+    x, o, truth = drawn(seed, 150, 3, 2.0)
+    level = evidence(x, o, 2.0) - log(1 / DELTA)
+    rng = np.random.default_rng(seed)
+    cloud = truth + rng.normal(size=(20_000, 3)) * rng.uniform(0.01, 1, size=(20_000, 1))
+    z = cloud @ x.T
+    heights = np.where(o == 1, -np.logaddexp(0, -z), -np.logaddexp(0, z)).sum(axis=1)
+    members = cloud[(heights >= level) & (np.linalg.norm(cloud, axis=1) <= 2.0)]
+    assert len(members) > 1000
+    directions = rng.normal(size=(50, 3))
+    reached = (directions @ members.T).max(axis=1)
+    answers = Answers.counted(x.astype(np.int64), o)
+    for w in [truth, np.zeros(3), *rng.normal(size=(20, 3)) * 3]:
+        with working_precision(96):
+            at = tangent(answers, log_evidence(answers, Fraction(2)) + ball(Fraction(1, 20)).log(), w)
+        bounds = dual_bounds(Enclosed(directions, 0.0), at, 2.0)
+        assert (bounds >= reached).all()
+        assert (bounds <= 2.0 * np.linalg.norm(directions, axis=1) * (1 + 1e-9)).all()
+
+
+@pytest.mark.parametrize("W", [0.125, 0.625, RANGE_5])
+def test_the_bound_is_above_the_regret_of_seeded_runs(W: float) -> None:
+    config = preset("theory", "starmdp").but(
+        confidence="likelihood", rounds=8, comparisons=4, weight_bound=W, algorithms=("bridge-known",)
+    )
+    world = build_world(config)
+    for seed in range(8):
+        results, log_ = logged_seed(config, world, seed)
+        (certificate,) = verify(log_)
+        regret = world.utility_scale * np.cumsum(results.pseudo_regret.values[0])
+        assert (certificate.bounds["likelihood"] >= regret - 1e-9).all()
 
 
 @pytest.mark.parametrize("confidence", ["likelihood", "repaired"])

@@ -18,10 +18,15 @@ HEADERS = "test_headers_are_held_against_the_data.py"
 EXACT = "test_certificates_are_exact.py"
 COMPARED = "test_comparison_with_theory.py"
 SEQUENCES = "test_confidence_sequences_cover.py"
+LIKELIHOOD = "test_likelihood_set_bounds_the_regret.py"
 
 ALONE = (HONEST, "hypothesis_alone")
 DECIDES = (HONEST, "decides_the_comparator")
 CONTRADICTED = (HEADERS, "what_the_data_contradict")
+
+DEFINED = (LIKELIHOOD, "that_of_its_definition and repaired")
+REPLAYED = (LIKELIHOOD, "that_of_its_definition and likelihood")
+EVIDENCE = (LIKELIHOOD, "both_evidences")
 
 MUTANTS: dict[str, tuple[str, str, str, tuple[str, str]]] = {
     "a teacher of returns is accepted": (
@@ -82,6 +87,45 @@ MUTANTS: dict[str, tuple[str, str, str, tuple[str, str]]] = {
         'bool((subject.results["offline_set_count"] <= config.candidate_limit).all())',
         'not bool((subject.results["offline_set_count"] > config.candidate_limit).any())',
         (COMPARED, "may_be_a_sample"),
+    ),
+    "the likelihood set of the checker forgets delta": (
+        "proofs_checks.verify.likelihood", " + ball(delta).log()", "", DEFINED,
+    ),
+    "half of W around the likelihood set": (
+        "proofs_checks.verify.likelihood", "highest = ends(ball(weight_bound))[1]",
+        "highest = ends(ball(weight_bound))[1] / 2", DEFINED,
+    ),
+    "negative multipliers of the likelihood": (
+        "proofs_checks.verify.likelihood",
+        "np.maximum(ratio * across / np.sqrt(1 - ratio**2) - along, 0)",
+        "(ratio * across / np.sqrt(1 - ratio**2) - along)", (LIKELIHOOD, "any_point_bounds"),
+    ),
+    "one point bounds the regret loosely": ("proofs_checks.verify.likelihood", "if inside else 0", "* 0", REPLAYED),
+    "a round too many in the regret": ("proofs_checks.verify.walk", "plays, t - 1)", "plays, t)", DEFINED),
+    "the divergence is added": (
+        "proofs_checks.verify.evidence", "total - lam * square / 2", "total + lam * square / 2", EVIDENCE,
+    ),
+    "the determinant is added": (
+        "proofs_checks.verify.evidence", "- _log_det_ratio(answers", "+ _log_det_ratio(answers", EVIDENCE,
+    ),
+    "the learner's evidence adds the determinant": (
+        "bridge_algos.asking.ellipsoid", "fit - volume + prior", "fit + volume - prior", EVIDENCE,
+    ),
+    "the ellipsoid forgets delta": ("bridge_algos.asking.ellipsoid", " - log(1 / delta)", "", REPLAYED),
+    "the ellipsoid starts at half of W": (
+        "bridge_algos.asking.ellipsoid", "reach = weight_bound *", "reach = weight_bound / 2 *", REPLAYED,
+    ),
+    "the ellipsoid keeps the larger interval": (
+        "bridge_algos.asking.ellipsoid", "np.maximum(low, middle - width), np.minimum(high, middle + width)",
+        "middle - width, middle + width", REPLAYED,
+    ),
+    "the ellipsoid's curvature is that at the fit": (
+        "bridge_algos.asking.ellipsoid", "slope * _lower_curvature(far)", "slope * 1.0",
+        (LIKELIHOOD, "holds_every_likely_weight"),
+    ),
+    "unknown dynamics have a likelihood bound": (
+        "proofs_checks.verify.conditions", '"the learner did not know the dynamics": not given.known', '"": False',
+        (LIKELIHOOD, "for_known_dynamics"),
     ),
 }  # fmt: skip
 """Module, a line of it, what becomes of that line, and a test file with the words that pick its tests."""

@@ -42,6 +42,7 @@ LOGS: dict[str, tuple[str, dict[str, Any]]] = {
     "many comparisons": ("bridge-known", {"comparisons": 3, "radius": 0.9, "weight_bound": 0.3}),
     "hand-set": ("bridge", {"confidence": "fixed", "gamma": 0.5, "bonus_multiplier": 0.05}),
     "stated": ("bridge", {"confidence": "stated"}),
+    "likelihood": ("bridge-known", {"confidence": "likelihood", "comparisons": 2, "weight_bound": 0.3}),
 }
 Mutations = Iterator[tuple[str, RunLog]]
 

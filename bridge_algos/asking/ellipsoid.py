@@ -127,9 +127,9 @@ def _quadratic_evidence(x: FloatArray, outcomes: FloatArray, precision: float) -
         if step < TANGENT_STEPS:
             points = np.sqrt((x @ mean) ** 2 + ((x @ root.T) ** 2).sum(axis=1))
     heights = kappa * points**2 - np.logaddexp(points / 2, -points / 2)
-    parts = float(heights.sum()), float(pull @ mean) / 2, log_det(root) / 2, d * log(precision) / 2
-    value = parts[0] + parts[1] - parts[2] + parts[3]
-    return value - ROUNDING * (1 + float(np.abs(heights).sum()) + sum(map(abs, parts)))
+    fit, volume, prior = float(pull @ mean) / 2, log_det(root) / 2, d * log(precision) / 2
+    size = 1 + float(np.abs(heights).sum()) + abs(fit) + abs(volume) + abs(prior)
+    return float(heights.sum() + fit - volume + prior - ROUNDING * size)
 
 
 def _shrunken_fit(x: FloatArray, outcomes: FloatArray, weight_bound: float) -> tuple[float, FloatArray]:

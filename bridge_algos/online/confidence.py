@@ -71,8 +71,8 @@ class Confidence:
         pair_bonus: factor on the bonuses where the pair is chosen; Pi_t takes them as they are.
         needs_history: whether the multiplier needs the occupancies and counts of the pairs played so far.
         needs_error: whether it needs the solver's error.
-        ellipsoid: from differences (m, d) and answers (m,) to a set of weights, whose centre and matrix then replace the
-            fitted weights and the data matrix in Pi_t and the choice of the pair.
+        ellipsoid: from differences (m, d) and answers (m,) to a set of weights, whose centre and matrix then replace
+            the fitted weights and the data matrix in Pi_t and the choice of the pair.
     """
 
     name: str

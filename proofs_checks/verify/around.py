@@ -38,7 +38,7 @@ def ellipsoid_around(x: FloatArray, outcomes: FloatArray, weight_bound: float, d
         w = _fit(x, outcomes, eta)
     z = x @ w
     likelihood = float(np.sum(outcomes * _log_sigmoid(z) + (1 - outcomes) * _log_sigmoid(-z)))
-    evidence = np.log(np.mean([np.exp(_evidence(x, outcomes, k * unit) - likelihood) for k in SCALES])) + likelihood
+    evidence = np.logaddexp.reduce([_evidence(x, outcomes, k * unit) for k in SCALES]) - np.log(len(SCALES))
     square = 2 * (likelihood - evidence - np.log(delta)) + eta * (weight_bound**2 - w @ w)
     if square < 0:
         return Around(np.zeros(d), np.eye(d), weight_bound)
@@ -63,7 +63,7 @@ def _evidence(x: FloatArray, outcomes: FloatArray, precision: float) -> float:
         m = np.linalg.solve(matrix, pull)
         if step < STEPS:
             points = np.sqrt((x @ m) ** 2 + np.einsum("si,si->s", x, np.linalg.solve(matrix, x.T).T))
-    heights = kappa * points**2 - np.log(2 * np.cosh(points / 2))
+    heights = kappa * points**2 - np.logaddexp(points / 2, -points / 2)
     return float(heights.sum() + pull @ m / 2 - (np.linalg.slogdet(matrix)[1] - d * np.log(precision)) / 2)
 
 

@@ -27,7 +27,11 @@ def fit_in_ball(answers: Answers, weight_bound: float, start: FloatArray) -> Flo
     """Weights inside the ball with nearly the largest likelihood there."""
     w = start
     for weight in (1.0, 0.1, 0.01, 1e-3):
-        w = _climb(lambda w, weight=weight: _sum(_likelihood(answers, w), _room(weight_bound, w), weight), w)
+
+        def height(w: FloatArray, weight: float = weight) -> Expansion:
+            return _sum(_likelihood(answers, w), _room(weight_bound, w), weight)
+
+        w = _climb(height, w)
     return w
 
 

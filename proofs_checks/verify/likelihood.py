@@ -24,7 +24,6 @@ from bridge_theory.errors import ComputationError
 from proofs_checks.verify.enclosed import UNIT, Enclosed, FloatArray, enlarged, largest_norms
 from proofs_checks.verify.evidence import Answers, log_evidence
 from proofs_checks.verify.farthest import farthest, fit_in_ball
-from proofs_checks.verify.features import IntArray
 
 MOST_POINTS = 20
 """Points w_0 that are searched after a round."""

@@ -34,8 +34,8 @@ class Rule:
         expected: the matrix takes in the expected differences of the pairs, not the observed ones of trajectories.
         gamma: multiplier in round t from the certified radius rho_t and the history.
         costs: bonus of a pair of state and action from its count; None for the L1 bonus of audit R6.
-        around: from the answers so far to an ellipsoid of weights, whose centre, matrix and radius are then used instead
-            of the logged weights, the data matrix and ``gamma``.
+        around: from the answers so far to an ellipsoid of weights, whose centre, matrix and radius are then used
+            instead of the logged weights, the data matrix and ``gamma``.
     """
 
     scale: Ball
@@ -60,7 +60,8 @@ def _likelihood(facts: Facts) -> Rule:
     weight_bound, delta, slope = float(facts.weight_bound), float(facts.delta), float(facts.slope)
 
     def around(differences: IntArray, outcomes: FloatArray) -> Around:
-        return ellipsoid_around(slope * differences, outcomes, weight_bound, delta)
+        x: FloatArray = slope * differences.astype(np.float64)
+        return ellipsoid_around(x, outcomes, weight_bound, delta)
 
     return replace(_repaired(facts), around=around)
 

@@ -10,8 +10,8 @@ from proofs_checks.verify.claims import Replay
 from proofs_checks.verify.conditions import likelihood_withheld, theory_withheld
 from proofs_checks.verify.ellipsoid import certified_scale, data_matrix, radius, solver_error
 from proofs_checks.verify.enclosed import Enclosed, FloatArray, cumulative, enlarged, largest_norms, raised
-from proofs_checks.verify.facts import Facts, add_transitions
 from proofs_checks.verify.evidence import Answers
+from proofs_checks.verify.facts import Facts, add_transitions
 from proofs_checks.verify.features import IntArray, estimated_kernel, expectations, feature_bound, row_radii
 from proofs_checks.verify.likelihood import checked_rounds, likelihood_bound
 from proofs_checks.verify.regret import View, best_bounds, diameter, excess, hindsight, round_bounds

@@ -115,9 +115,8 @@ def likelihood_bound(answers: Answers, directions: Enclosed, weight_bound: Fract
     highest = ends(ball(weight_bound))[1]
     start = fit_in_ball(answers, float(weight_bound), np.zeros(directions.mid.shape[1]))
     at = tangent(answers, level, start)
-    if enlarged(float(largest_norms(at.gradient)[0])) * highest * (1 + 8 * UNIT) + at.height < -8 * UNIT * abs(
-        at.height
-    ):
+    most = highest * enlarged(float(largest_norms(at.gradient)[0])) * (1 + 8 * UNIT)  # of <gradient, w> in the ball
+    if most + at.height < -8 * UNIT * abs(at.height):
         raise ComputationError(
             "no weights of norm at most W are as likely as the answers demand, so that they contradict the "
             "Bradley-Terry model or W"

@@ -17,6 +17,7 @@ True
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import log
 from typing import Any
@@ -83,6 +84,7 @@ class Elicitation:
         asking: one of the rules of :mod:`bridge_algos.asking.rules`.
         fresh: whether the same pair asked again is a fresh draw, as with a simulated teacher; a person remembers.
         offline: what the candidates rest on and its failure probability, for the certificate.
+        errors: where features are estimates: nats by which they may be off, see :class:`bridge_algos.asking.gap.Gap`.
 
     Raises:
         InputError: for values out of range, one candidate, equal candidates, or shapes that do not fit.
@@ -104,6 +106,7 @@ class Elicitation:
         asking: str = "pool",
         fresh: bool = False,
         offline: tuple[str, float] | None = None,
+        errors: Callable[[int], float] | None = None,
     ) -> None:
         self.features = _matrix("features", features)
         self.pool = _matrix("pool", pool)
@@ -112,6 +115,8 @@ class Elicitation:
         self.goal = goal(until, utility_range)
         if self.goal.rho and reference is None:
             raise InputError(f"until={until!r} needs a reference; give reference=, the features of a policy.")
+        if errors is not None and self.goal.rho:
+            raise InputError(f"until must be a gap where features are estimates, got {until!r}; give '10%', say.")
         self.asking, self.delta, self.weight_bound, self.fresh = check_rule(asking), delta, weights.radius, fresh
         self.rng, self.offline = rng, offline
         dimension = self.features.shape[1]
@@ -127,7 +132,7 @@ class Elicitation:
         aim = None if self.reference is None or not self.goal.rho else (self.reference, self.goal.rho)
         spread = 0.0 if aim is None else float(np.linalg.norm(self.features - aim[0], axis=1).max())
         scale = self.goal.nats or 0.1 * spread * weights.radius
-        self.gap = Gap(self.features, weights.radius, self.goal.nats, scale, rivals, aim)
+        self.gap = Gap(self.features, weights.radius, self.goal.nats, scale, rivals, aim, errors)
         self.history: list[tuple[int, int, int | None]] = []
         self.contradiction: str | None = None  # in words, and for good
         self._pending: Question | None = None

@@ -11,7 +11,7 @@ only those that decide whether to stop are worked on.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -71,6 +71,8 @@ class Gap:
         scale: nats, what bounds are computed to a fraction of.
         rivals: features of policies that a candidate must beat, besides the candidates themselves; None for none.
         reference: (d,) features of the reference and rho; None for the gap alone.
+        errors: nats by which the difference of any candidate to the recommended one may be off over the ball, where
+            features are estimates; it maps the recommended candidate to them.
     """
 
     def __init__(
@@ -81,11 +83,12 @@ class Gap:
         scale: float,
         rivals: Rivals | None = None,
         reference: tuple[FloatArray, float] | None = None,
+        errors: Callable[[int], float] | None = None,
     ) -> None:
         self.features, self.weight_bound, self.target, self.rivals = features, weight_bound, target, rivals
         self.tolerance = TOLERANCE * scale
-        self.reference = reference
-        self.recommended = 0
+        self.reference, self.errors = reference, errors
+        self.recommended, self.error = 0, 0.0 if errors is None else errors(0)
         self.bounds = self._widest(0)
         self.critical: Critical | None = None
 
@@ -108,6 +111,8 @@ class Gap:
             return
         v = (self.anchor(self.recommended) - self.anchor(candidate))[None]
         shift = float(search(region, v, np.zeros((1, 0, v.shape[1])), self.tolerance).bound[0])
+        old, self.error = self.error, 0.0 if self.errors is None else self.errors(candidate)
+        shift += min(old, self.error)  # either bounds the error of the difference of the two
         self.bounds = np.minimum(self.bounds + shift, self._widest(candidate))
         self.recommended = candidate
 
@@ -116,8 +121,7 @@ class Gap:
         if self._still_above(region):
             return
         passed = 0
-        while self.bounds.max() > self.target:
-            above = np.flatnonzero(self.bounds > self.target)
+        while len(above := self._above()):
             size = min(BATCHES[min(passed, len(BATCHES) - 1)], len(above))
             chosen = above[np.argpartition(-self.bounds[above], size - 1)[:size]]
             if size >= SHARED:  # far from each other rather than near the top, so that their certificates reach further
@@ -136,20 +140,26 @@ class Gap:
         w = last.weights
         inside = w @ w < region.weight_bound**2 and region.answers.log_likelihood(w[None])[0] > region.level
         short = float(np.maximum(0, -(last.rows @ w)).max(initial=0.0))
-        return bool(inside and last.direction @ w - PENALTY * short > self.target)
+        return bool(inside and last.direction @ w - PENALTY * short > self.target - self.error)
+
+    def _above(self) -> IntArray:
+        """Contenders whose bounds are above the target."""
+        above = self.bounds > self.target
+        above[self.recommended] = False  # its own bound is the error of the features, which no answer lowers
+        return np.flatnonzero(above)
 
     def _work_on(self, region: LikelihoodSet, chosen: IntArray) -> bool:
         """Bound some contenders; whether one of them lies above the target."""
         v = self.features[chosen] - self.anchor(self.recommended)
         nobody = np.zeros((len(chosen), 0, v.shape[1]))
-        found = search(region, v, nobody, self.tolerance, self.target)
+        found = self._search(region, v, nobody, np.ones((len(chosen), 0)))
         self.bounds[chosen] = np.minimum(self.bounds[chosen], found.bound)
         self._share(chosen, found, np.ones(len(chosen)))
         left = np.flatnonzero(self.bounds[chosen] > self.target)
         if not len(left):
             return False
         rows, norms = self._rows(chosen[left], found.points[left])
-        found = search(region, v[left], rows, self.tolerance, self.target)
+        found = self._search(region, v[left], rows, norms)
         self.bounds[chosen[left]] = np.minimum(self.bounds[chosen[left]], found.bound)
         self._share(chosen[left], found, 1 + (found.rival_multipliers / norms).sum(axis=1))
         bounds = self.bounds[chosen[left]]
@@ -160,6 +170,16 @@ class Gap:
         total = region.answers.total
         self.critical = Critical(contender, v[left][worst], found.inside[worst], rows[worst], self.recommended, total)
         return True
+
+    def _search(self, region: LikelihoodSet, v: FloatArray, rows: FloatArray, norms: FloatArray) -> Certificates:
+        """Certificates whose bounds also hold for every feature within the error of its estimate.
+
+        With multipliers mu of the rivals, estimates enter as v + sum mu_k (phi - phi_k); each phi - phi_k goes through
+        the recommended candidate, and so errs by at most twice the error.
+        """
+        found = search(region, v, rows, self.tolerance, self.target - self.error)
+        multipliers = (found.rival_multipliers / norms).sum(axis=1)
+        return replace(found, bound=found.bound + self.error * (1 + 2 * multipliers) * (1 + 1e-12))
 
     def _share(self, chosen: IntArray, found: Certificates, factor: FloatArray) -> None:
         """Bound the neighbours of contenders by their certificates, which lose W (1 + sum mu) per unit of distance.
@@ -204,7 +224,7 @@ class Gap:
     def _widest(self, recommended: int) -> FloatArray:
         """Bounds that hold before any answer: W ||v||."""
         lengths = np.linalg.norm(self.features - self.anchor(recommended), axis=1)
-        bounds = np.asarray(self.weight_bound * lengths * (1 + 1e-12))
+        bounds = np.asarray(self.weight_bound * lengths * (1 + 1e-12)) + self.error
         if self.reference is None:
-            bounds[recommended] = 0.0
+            bounds[recommended] = self.error
         return bounds

@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from bridge_algos.asking.config import AskConfig
+from bridge_algos.asking.config import DYNAMICS, AskConfig
 from bridge_algos.asking.goal import FORMS
 from bridge_algos.asking.rules import RULES
 from bridge_algos.asking.tabular import REFERENCES
@@ -80,6 +80,8 @@ def in_words(config: AskConfig, found: dict[str, Any]) -> str:
         sentence += f". In {single} the demonstrations leave one candidate and nothing to ask"
         if rest is not None:
             sentence += f"; the median of the others is {rest:.0f}"
+    if found["median_episodes"] is not None:
+        sentence += f". Features come from rollouts, {found['median_episodes']:,.0f} episodes in the median"
     return sentence + "."
 
 
@@ -108,6 +110,9 @@ def _parser() -> argparse.ArgumentParser:
     p.add_argument("--demos", metavar="FILE", help="demonstrations (.npz) that every seed uses instead")
     p.add_argument("--embedding", default="state_action_counts", help=f"one of {', '.join(ADDITIVE)}")
     p.add_argument("--asking", default="pool", help=f"which questions: {', '.join(RULES)} (default pool)")
+    p.add_argument(
+        "--dynamics", default="known", choices=DYNAMICS, help="unknown: only simulated, by rollouts (default known)"
+    )
     p.add_argument("--reference", default="random", help=f"for shares: {', '.join(REFERENCES)} (default random)")
     p.add_argument("--seeds", type=int, default=20, help="number of sessions (default 20)")
     p.add_argument(
@@ -138,6 +143,7 @@ def _configuration(options: argparse.Namespace) -> AskConfig:
         asking=options.asking,
         reference=options.reference,
         max_questions=options.max_questions,
+        dynamics=options.dynamics,
     )
 
 

@@ -12,6 +12,8 @@ from bridge_algos.asking.tabular import POOL, REFERENCES
 from bridge_algos.asking.utility import ADDITIVE
 from bridge_theory.errors import InputError
 
+DYNAMICS = ("known", "unknown")
+
 
 @dataclass(frozen=True)
 class AskConfig:
@@ -31,6 +33,7 @@ class AskConfig:
         max_questions: a session without a certificate ends here.
         pool: trajectories simulated for questions.
         limit: policies listed as candidates, at most; beyond, a sample.
+        dynamics: "known", or "unknown": features of candidates are then estimated from simulated rollouts.
     """
 
     environment: str
@@ -46,6 +49,7 @@ class AskConfig:
     max_questions: int = 1000
     pool: int = POOL
     limit: int = LISTED
+    dynamics: str = "known"
 
     def __post_init__(self) -> None:
         check_rule(self.asking)
@@ -54,6 +58,10 @@ class AskConfig:
             raise InputError(f"the embedding must be one of {', '.join(ADDITIVE)}, got {self.embedding!r}.")
         if self.reference not in REFERENCES:
             raise InputError(f"the reference must be one of {', '.join(REFERENCES)}, got {self.reference!r}.")
+        if self.dynamics not in DYNAMICS:
+            raise InputError(f"dynamics must be one of {', '.join(DYNAMICS)}, got {self.dynamics!r}.")
+        if self.dynamics == "unknown" and goal(self.until, 1.0).rho:
+            raise InputError("a share of the gain needs known dynamics; with unknown ones give until='10%', say.")
         if not 0 < self.delta < 1:
             raise InputError(f"delta must lie strictly between 0 and 1, got {self.delta}.")
         for name, least in (("n_demonstrations", 0), ("max_questions", 0), ("pool", 2), ("limit", 1)):
@@ -68,5 +76,5 @@ class AskConfig:
                 raise InputError(f"{name} must be a positive number below a million, got {value!r}.")
 
     def record(self) -> dict[str, Any]:
-        """The configuration as plain values."""
-        return asdict(self)
+        """The configuration as plain values; dynamics are named where they are unknown."""
+        return {name: value for name, value in asdict(self).items() if (name, value) != ("dynamics", "known")}

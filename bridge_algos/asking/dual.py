@@ -96,16 +96,24 @@ def dual_bounds(
 
 
 def search(
-    region: LikelihoodSet, v: FloatArray, rows: FloatArray, tolerance: float, target: float | None = None
+    region: LikelihoodSet,
+    v: FloatArray,
+    rows: FloatArray,
+    tolerance: float,
+    target: float | None = None,
+    ease: FloatArray | None = None,
 ) -> Certificates:
     """Certificates of B contenders, to a tolerance, or good enough to decide whether a bound is at most ``target``.
 
-    Maximises <v, w> - PENALTY s over the set with D w >= -s, s >= 0, by a barrier method. With a target a contender's
-    search also ends when its bound is at most the target, or when a point above the target is reached.
+    Maximises <v, w> - PENALTY s over the set with D w >= -ease - s, s >= 0, by a barrier method. With a target a
+    contender's search also ends when its bound is at most the target, or when a point above the target is reached.
+
+    Args:
+        ease: (B, k) nonnegative, where the rows are known up to so much; it adds <mu, ease> to the bounds. None: 0.
     """
     size = len(v)
     k = rows.shape[1]
-    problem = _Barrier(region, v, rows, np.full(size, 1.0))
+    problem = _Barrier(region, v, rows, np.full(size, 1.0), np.zeros((size, k)) if ease is None else ease)
     scale = region.weight_bound * np.maximum(np.linalg.norm(v, axis=1), 1e-12)
     problem.tau = FIRST_STEPS / scale
     w = np.repeat(region.interior[None], size, axis=0)
@@ -132,11 +140,12 @@ def _record(best: Certificates, problem: _Barrier, active: np.ndarray, w: FloatA
     """Keep the better of the certificate at these points and the best one before; which contenders got closer."""
     region, v, rows, tau = problem.region, problem.v[active], problem.rows[active], problem.tau[active]
     slack = region.answers.log_likelihood(w) - region.level
-    margins = np.einsum("bkd,bd->bk", rows, w) + s[:, None]
+    margins = problem.margins(active, w, s)
     mu = 1 / (tau[:, None] * margins)
     c = _best_multiplier(region, v + np.einsum("bk,bkd->bd", mu, rows), w, 1 / (tau * slack))
     reached = np.vecdot(v, w) - (PENALTY * s if rows.shape[1] else 0)
     bound, rest = dual_bounds(region, v, rows, w, c, mu)
+    bound = bound + np.vecdot(mu, problem.ease[active]) * (1 + ROUNDING)
     better = bound < best.bound[active]
     to = active[better]
     best.bound[to], best.points[to] = bound[better], w[better]
@@ -164,10 +173,16 @@ def _best_multiplier(region: LikelihoodSet, u: FloatArray, w: FloatArray, c: Flo
 
 
 class _Barrier:
-    """tau (<v, w> - PENALTY s) + log(l(w) - L) + log(W^2 - |w|^2) + sum log(D w + s) + log s, for a batch."""
+    """tau (<v, w> - PENALTY s) + log(l(w) - L) + log(W^2 - |w|^2) + sum log(D w + ease + s) + log s, for a batch."""
 
-    def __init__(self, region: LikelihoodSet, v: FloatArray, rows: FloatArray, tau: FloatArray) -> None:
-        self.region, self.v, self.rows, self.tau = region, v, rows, tau
+    def __init__(
+        self, region: LikelihoodSet, v: FloatArray, rows: FloatArray, tau: FloatArray, ease: FloatArray
+    ) -> None:
+        self.region, self.v, self.rows, self.tau, self.ease = region, v, rows, tau, ease
+
+    def margins(self, index: np.ndarray, w: FloatArray, s: FloatArray) -> FloatArray:
+        """(B, k) D w + ease + s."""
+        return np.asarray(np.einsum("bkd,bd->bk", self.rows[index], w) + self.ease[index] + s[:, None])
 
     def value(self, index: np.ndarray, w: FloatArray, s: FloatArray) -> FloatArray:
         """(B,) the barrier function; -inf outside."""
@@ -175,8 +190,7 @@ class _Barrier:
         inside = np.stack([region.answers.log_likelihood(w) - region.level, region.weight_bound**2 - np.vecdot(w, w)])
         total = self.tau[index] * np.vecdot(self.v[index], w)
         if rows.shape[1]:
-            margins = np.einsum("bkd,bd->bk", rows, w) + s[:, None]
-            inside = np.concatenate([inside, margins.T, s[None]])
+            inside = np.concatenate([inside, self.margins(index, w, s).T, s[None]])
             total = total - self.tau[index] * PENALTY * s
         feasible = (inside > 0).all(axis=0)
         return np.where(feasible, total + np.log(np.where(inside > 0, inside, 1.0)).sum(axis=0), -np.inf)
@@ -226,7 +240,7 @@ class _Barrier:
         if not rows.shape[1]:
             dw = np.linalg.solve(hessian, gradient[..., None])[..., 0]
             return dw, np.zeros(len(w)), np.vecdot(gradient, dw)
-        inverse = 1 / (np.einsum("bkd,bd->bk", rows, w) + s[:, None])
+        inverse = 1 / self.margins(index, w, s)
         gradient += np.einsum("bk,bkd->bd", inverse, rows)
         scaled = inverse[..., None] * rows
         hessian += scaled.swapaxes(1, 2) @ scaled

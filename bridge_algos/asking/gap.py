@@ -174,12 +174,11 @@ class Gap:
     def _search(self, region: LikelihoodSet, v: FloatArray, rows: FloatArray, norms: FloatArray) -> Certificates:
         """Certificates whose bounds also hold for every feature within the error of its estimate.
 
-        With multipliers mu of the rivals, estimates enter as v + sum mu_k (phi - phi_k); each phi - phi_k goes through
-        the recommended candidate, and so errs by at most twice the error.
+        The difference of a contender to a rival goes through the recommended candidate, and so errs by twice the error.
         """
-        found = search(region, v, rows, self.tolerance, self.target - self.error)
-        multipliers = (found.rival_multipliers / norms).sum(axis=1)
-        return replace(found, bound=found.bound + self.error * (1 + 2 * multipliers) * (1 + 1e-12))
+        ease = 2 * self.error / norms if self.error else None
+        found = search(region, v, rows, self.tolerance, self.target - self.error, ease)
+        return replace(found, bound=found.bound + self.error * (1 + 1e-12))
 
     def _share(self, chosen: IntArray, found: Certificates, factor: FloatArray) -> None:
         """Bound the neighbours of contenders by their certificates, which lose W (1 + sum mu) per unit of distance.

@@ -129,9 +129,7 @@ def follows(tree: Tree, actions: IntArray) -> np.ndarray:
     return np.asarray(((tree.actions == actions) | (tree.actions < 0)).all(axis=1))
 
 
-def widest_radius(
-    tree: Tree, actions: IntArray, n_actions: int, reach: float, log_chance: float, n: int
-) -> float:
+def widest_radius(tree: Tree, actions: IntArray, n_actions: int, reach: float, log_chance: float, n: int) -> float:
     """The largest error of a candidate's difference to the one with these actions.
 
     Args:

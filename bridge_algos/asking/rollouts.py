@@ -42,6 +42,9 @@ MERGED_SHARE = 0.2
 
 PILOT, MOST_SEEDS, MOST_CANDIDATES = 1000, 400_000, 2**17
 
+DRAWN = 10
+"""Trajectories simulated for each one in the pool."""
+
 BASES = 4
 """Candidates, at most, against which the pilot measures differences."""
 
@@ -173,8 +176,10 @@ def simulated_session(
     )
     index = distinct_rows(estimate.features)
     policies, features = estimate.policies[index], estimate.features[index]
-    owners = rng.integers(len(index), size=pool)
-    shown = sample_each(mdp, policies[owners], 1, rng)
+    owners = rng.integers(len(index), size=DRAWN * pool)
+    drawn = sample_each(mdp, policies[owners], 1, rng)
+    picked = varied(drawn, mdp.n_actions, pool)
+    shown, owners = Trajectories(drawn.states[picked], drawn.actions[picked]), owners[picked]
     candidates = Candidates(policies, features, mdp.n_actions ** int((recorded < 0).sum()), complete=False)
     problem = Problem(mdp, utility, demonstrations, candidates, shown, owners)
     session = Elicitation(
@@ -192,7 +197,24 @@ def simulated_session(
         offline=(in_words(tree), estimate.delta),
         errors=lambda i: utility.weight_bound * estimate.error(int(index[i])),
     )
-    return Rollouts(problem, session, estimate, tree.n, episodes + pool)
+    return Rollouts(problem, session, estimate, tree.n, episodes + DRAWN * pool)
+
+
+def varied(drawn: Trajectories, n_actions: int, size: int) -> IntArray:
+    """Indices of ``size`` trajectories, of which the first half is shared out among state-action pairs, rarest first.
+
+    A session can only learn about what its pool shows, and demonstrations leave open what is seldom visited.
+
+    >>> varied(Trajectories(np.array([[0], [0], [0], [1]]), np.zeros((4, 1), dtype=int)), 1, 2)
+    array([3, 0])
+    """
+    pairs = drawn.states * n_actions + drawn.actions
+    visited, counts = np.unique(pairs, return_counts=True)
+    quota = max(1, size // (2 * len(visited)))
+    shown = [np.flatnonzero((pairs == pair).any(axis=1))[:quota] for pair in visited[np.argsort(counts)]]
+    order = np.concatenate([*shown, np.arange(len(drawn))])
+    _, first = np.unique(order, return_index=True)
+    return np.asarray(order[np.sort(first)][:size])
 
 
 def in_words(tree: Tree) -> str:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from bridge_algos.asking.config import AskConfig
+from bridge_algos.asking.rollouts import simulated_session
 from bridge_algos.asking.session_file import load_session, save_session, session_path, session_record
 from bridge_algos.asking.tabular import build_problem, simulated_answer
 from bridge_algos.asking.utility import Utility, simulated_utility
@@ -71,13 +72,19 @@ def run_session(
 ) -> dict[str, Any]:
     """The record of one session, all of whose randomness comes from the seed."""
     rng = np.random.default_rng(seed)
-    problem = build_problem(mdp, utility, config.n_demonstrations, rng, demonstrations, config.limit, config.pool)
-    session = problem.session(config.until, config.delta, config.asking, rng, config.reference)
+    n, until, delta, asking = config.n_demonstrations, config.until, config.delta, config.asking
+    episodes = None
+    if config.dynamics == "unknown":
+        rollouts = simulated_session(mdp, utility, n, rng, until, delta, asking, demonstrations, config.pool)
+        problem, session, episodes = rollouts.problem, rollouts.session, rollouts.episodes
+    else:
+        problem = build_problem(mdp, utility, n, rng, demonstrations, config.limit, config.pool)
+        session = problem.session(until, delta, asking, rng, config.reference)
     covered = True
-    while not session.done and len(session.history) < config.max_questions:
+    while not session.done and session.gap.critical and len(session.history) < config.max_questions:
         question = session.ask()
         session.tell(question, simulated_answer(utility.weights, question.difference, rng))
-        level = session.evidence.value - log(1 / config.delta)
+        level = session.evidence.value - log(1 / session.delta)
         covered &= bool(session.answers.log_likelihood(utility.weights[None])[0] >= level)
     outcome = {
         "seed": seed,
@@ -87,12 +94,15 @@ def run_session(
         "covered": covered,
         "candidates": len(problem.candidates.policies),
     }
+    if episodes is not None:
+        outcome["episodes"] = episodes
     return session_record(config.record(), seed, problem, session, outcome)
 
 
 def summary(outcomes: list[dict[str, Any]]) -> dict[str, Any]:
     """Medians and quantiles of the questions, where a session without a certificate counts as infinite."""
     questions = np.array([inf if row["questions"] is None else row["questions"] for row in outcomes])
+    episodes = [row["episodes"] for row in outcomes if "episodes" in row]
     several = questions[np.array([row["candidates"] > 1 for row in outcomes])]
     return {
         "median_questions": _finite(np.quantile(questions, 0.5, method="higher")),
@@ -101,6 +111,7 @@ def summary(outcomes: list[dict[str, Any]]) -> dict[str, Any]:
         "seeds_with_one_candidate": len(questions) - len(several),
         "certified": int(np.isfinite(questions).sum()),
         "not_covered": sum(not row["covered"] for row in outcomes),
+        "median_episodes": float(np.median(episodes)) if episodes else None,
         "seeds": outcomes,
     }
 

@@ -27,8 +27,8 @@ class Estimate:
     Args:
         policies: (K, S).
         features: (K, d), up to a vector that all share.
-        error: maps the index i of a candidate to a number r(i): with probability ``1 - delta``, for all i at once, every
-            policy that agrees with the demonstrations has a candidate such that the difference of its features to
+        error: maps the index i of a candidate to a number r(i): with probability ``1 - delta``, for all i at once,
+            every policy that agrees with the demonstrations has a candidate such that the difference of its features to
             candidate i's is within r(i), in norm, of the estimated difference.
         delta: failure probability.
         episodes: trajectories simulated.
@@ -45,8 +45,8 @@ def coupled_estimate(tree: Tree, recorded: IntArray, n_actions: int, reach: floa
     r"""From branching rollouts, whose number was fixed before they were made.
 
     Half of delta is for the visits to merged states, if there are any, by Clopper and Pearson; the other half is split
-    over the K (K - 1) / 2 pairs of candidates, so that the recommended one may be chosen from the same rollouts and from
-    any answers.
+    over the K (K - 1) / 2 pairs of candidates, so that the recommended one may be chosen from the same rollouts and
+    from any answers.
 
     Args:
         tree: n seeds.

@@ -127,17 +127,19 @@ def _block(
     n_actions, size = simulator.n_actions, uniforms.shape[1]
     place = np.full(simulator.n_states, -1)
     place[open_states] = np.arange(len(open_states))
-    seeds, states = np.arange(size), simulator.start(uniforms[0])
-    chosen = np.full((size, len(open_states)), -1, dtype=np.int64)
-    features, touched = np.zeros((size, per_step.shape[2])), np.zeros(size, dtype=bool)
+    seeds: IntArray = np.arange(size)
+    states = simulator.start(uniforms[0])
+    chosen: IntArray = np.full((size, len(open_states)), -1, dtype=np.int64)
+    features: FloatArray = np.zeros((size, per_step.shape[2]))
+    touched = np.zeros(size, dtype=bool)
     for h in range(simulator.horizon):
         at = place[states]
         new = at >= 0
         new[new] = chosen[new, at[new]] < 0
         rows = np.repeat(np.arange(len(seeds)), np.where(new, n_actions, 1))
         if len(rows) > len(seeds):
-            seeds, states, at, features, touched = (a[rows] for a in (seeds, states, at, features, touched))
-            chosen, new = chosen[rows], new[rows]
+            seeds, states, at, new = seeds[rows], states[rows], at[rows], new[rows]
+            features, touched, chosen = features[rows], touched[rows], chosen[rows]
             chosen[new, at[new]] = np.tile(np.arange(n_actions), int(new.sum()) // n_actions)
         actions = fallback[states]
         inside = at >= 0

@@ -28,6 +28,7 @@ from bridge_algos.asking.rollout_estimates import (
 from bridge_algos.asking.rollout_tree import Simulator, Tree, branch, tabular_simulator
 from bridge_algos.asking.tabular import POOL, Problem
 from bridge_algos.asking.utility import Utility, step_features
+from bridge_algos.embeddings import expected_features
 from bridge_algos.mdp import FloatArray, IntArray, TabularMDP
 from bridge_algos.trajectories import Trajectories, sample_each, sample_trajectories
 
@@ -66,6 +67,14 @@ class Rollouts:
     estimate: Estimate
     seeds: int
     episodes: int
+
+    def true_gap(self) -> float:
+        """Nats by which the best candidate's utility exceeds the recommended one's, from the dynamics."""
+        utility = self.problem.utility
+        recommended = self.problem.candidates.policies[self.session.recommended]
+        policies = np.concatenate([recommended[None], self.estimate.policies])
+        utilities = expected_features(self.problem.mdp.dynamics, policies, utility.embedding)[0] @ utility.weights
+        return float(utilities.max() - utilities[0])
 
 
 def estimate_features(
@@ -220,7 +229,7 @@ def varied(drawn: Trajectories, n_actions: int, size: int) -> IntArray:
 def in_words(tree: Tree) -> str:
     """What the candidates and their features rest on."""
     return (
-        "the demonstrator is stationary, deterministic and best for the teacher's utility among the policies that agree "
-        f"with every demonstration (audit T8); the simulator behaves as the environment, its {tree.n} seeds are "
-        "independent, and equal random numbers give equal states"
+        "the demonstrator is stationary, deterministic and best for the teacher's utility, so that the best one "
+        f"agrees with every demonstration (audit T8); the simulator behaves as the environment, its {tree.n:,} seeds "
+        "are independent, and equal random numbers give equal states"
     )

@@ -73,10 +73,10 @@ def run_session(
     """The record of one session, all of whose randomness comes from the seed."""
     rng = np.random.default_rng(seed)
     n, until, delta, asking = config.n_demonstrations, config.until, config.delta, config.asking
-    episodes = None
+    rollouts = None
     if config.dynamics == "unknown":
         rollouts = simulated_session(mdp, utility, n, rng, until, delta, asking, demonstrations, config.pool)
-        problem, session, episodes = rollouts.problem, rollouts.session, rollouts.episodes
+        problem, session = rollouts.problem, rollouts.session
     else:
         problem = build_problem(mdp, utility, n, rng, demonstrations, config.limit, config.pool)
         session = problem.session(until, delta, asking, rng, config.reference)
@@ -90,12 +90,12 @@ def run_session(
         "seed": seed,
         "questions": len(session.history) if session.certified else None,
         "certified_gap": session.certificate.gap,
-        "true_gap": problem.true_gap(session.recommended),
+        "true_gap": problem.true_gap(session.recommended) if rollouts is None else rollouts.true_gap(),
         "covered": covered,
         "candidates": len(problem.candidates.policies),
     }
-    if episodes is not None:
-        outcome["episodes"] = episodes
+    if rollouts is not None:
+        outcome["episodes"] = rollouts.episodes
     return session_record(config.record(), seed, problem, session, outcome)
 
 

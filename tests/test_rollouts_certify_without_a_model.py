@@ -1,0 +1,277 @@
+"""Candidates whose features come from a simulator are certified with the errors of the features, never without."""
+
+from __future__ import annotations
+
+import json
+from math import exp, log
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+from scipy.special import expit
+from scipy.stats import binom
+
+from bridge_algos.asking.answers import Answers
+from bridge_algos.asking.cli import main
+from bridge_algos.asking.config import AskConfig
+from bridge_algos.asking.elicitation import Ball, Elicitation
+from bridge_algos.asking.evidence import Evidence
+from bridge_algos.asking.gap import Gap
+from bridge_algos.asking.region import likelihood_set
+from bridge_algos.asking.rollout_bounds import chance_bound, expectation_bound, norm_radius
+from bridge_algos.asking.rollout_estimates import (
+    Estimate,
+    candidate_actions,
+    coupled_estimate,
+    followed_sums,
+    follows,
+    independent_estimate,
+    relative_features,
+)
+from bridge_algos.asking.rollout_tree import Tree, branch, suffix_features, tabular_simulator
+from bridge_algos.asking.rollouts import rarely_visited, varied
+from bridge_algos.asking.study import prepare, run_session
+from bridge_algos.asking.utility import step_features
+from bridge_algos.embeddings import expected_features, make_embedding
+from bridge_algos.envs.registry import make_mdp
+from bridge_algos.trajectories import sample_trajectories
+from bridge_theory.errors import InputError
+
+STAR = make_mdp("starmdp")
+PER_STEP = step_features("state_action_counts", STAR)
+PHI = make_embedding("state_action_counts", STAR.n_states, STAR.n_actions, STAR.horizon)
+REACH = float(np.sqrt(2) * PHI.bound)
+RECORDED = np.array([0, 2, 1, -1, -1])
+"""Demonstrated actions; nothing is known in two states, so that 16 candidates are left."""
+
+NO_STATES = np.zeros(0, dtype=np.int64)
+UNLIKELY = 1e-7
+"""Chance that a test of a true bound fails."""
+
+
+def _tree(n: int, seed: int, merged: np.ndarray = NO_STATES) -> Tree:
+    return branch(tabular_simulator(STAR.dynamics), RECORDED, merged, PER_STEP, n, np.random.default_rng(seed))
+
+
+def _exact() -> tuple[np.ndarray, np.ndarray]:
+    """All policies that agree with RECORDED, and their features."""
+    estimate = coupled_estimate(_tree(1, 0), RECORDED, STAR.n_actions, REACH, 0.5)
+    return estimate.policies, expected_features(STAR.dynamics, estimate.policies, PHI)[0]
+
+
+POLICIES, FEATURES = _exact()
+
+
+@pytest.mark.parametrize("n", [1, 7, 60, 400])
+@pytest.mark.parametrize("log_chance", [1.0, 2.0, 6.0])
+def test_an_expectation_is_bounded_as_often_as_is_said(n: int, log_chance: float) -> None:
+    """Exact, for coins: the chance of all counts whose bound is too low."""
+    counts = np.arange(n + 1)
+    bounds = expectation_bound(counts / n, 1.0, log_chance, n)
+    worst = bare = 0.0
+    for p in np.linspace(0.005, 0.995, 199):
+        mass = binom.pmf(counts, n, p)
+        worst = max(worst, float(mass[bounds < p].sum()))
+        bare = max(bare, float(mass[counts / n < p].sum()))
+    assert worst <= exp(-log_chance)
+    assert bare > exp(-log_chance)  # the sample mean alone is no bound
+
+
+@pytest.mark.parametrize("n", [5, 50, 1000])
+def test_a_chance_is_bounded_as_often_as_is_said(n: int) -> None:
+    counts = np.arange(n + 1)
+    bounds = np.array([chance_bound(int(k), n, 0.05) for k in counts])
+    for p in np.linspace(0.001, 0.999, 200):
+        assert binom.pmf(counts, n, p)[bounds < p].sum() <= 0.05 + 1e-12
+
+
+@pytest.mark.parametrize("share", [0.02, 0.3, 1.0])
+def test_a_mean_vector_is_as_near_as_is_said(share: float) -> None:
+    rng = np.random.default_rng(3)
+    runs, n, d, delta = 300, 300, 6, 0.3
+    corners = rng.normal(size=(5, d))
+    corners /= np.linalg.norm(corners, axis=1).max()
+    expected = share * corners.mean(axis=0)
+    missed = np.zeros(2)
+    for _ in range(runs):
+        y = corners[rng.integers(5, size=n)] * (rng.random(n) < share)[:, None]
+        trace = np.vecdot(y, y).mean(keepdims=True)
+        top = np.linalg.eigvalsh(y.T @ y / n)[-1:]
+        error = np.linalg.norm(y.mean(axis=0) - expected)
+        missed[0] += error > norm_radius(trace, top, 1.0, log(3 / delta), n)[0]
+        missed[1] += error > 0.7 * np.sqrt(trace[0] / n)  # a mutant, which forgets the chance
+    allowed = binom.ppf(1 - UNLIKELY, runs, delta)
+    assert missed[0] <= allowed
+    assert missed[1] > allowed
+
+
+def test_a_branch_is_the_rollout_of_every_policy_that_follows_it() -> None:
+    """The tree against policies rolled out one at a time with the same random numbers."""
+    n = 300
+    tree = _tree(n, 7)
+    uniforms = np.random.default_rng(7).random((STAR.horizon + 1, n))
+    simulator = tabular_simulator(STAR.dynamics)
+    whole = []
+    for policy in POLICIES:
+        states, features = simulator.start(uniforms[0]), np.zeros((n, PHI.dimension))
+        for h in range(STAR.horizon):
+            features += PER_STEP[states, policy[states]]
+            states = simulator.step(states, policy[states], uniforms[h + 1])
+        whole.append(features)
+    for base in (0, 9):
+        y = relative_features(tree, candidate_actions(tree, 4)[base])
+        for k, actions in enumerate(candidate_actions(tree, 4)):
+            found = np.zeros((n, PHI.dimension))
+            followed = follows(tree, actions)
+            assert len(np.unique(tree.seeds[followed])) == followed.sum()
+            found[tree.seeds[followed]] = y[followed]
+            np.testing.assert_allclose(found, whole[k] - whole[base], atol=1e-12)
+    summed = followed_sums(tree, 4, tree.features)
+    np.testing.assert_allclose(summed[5] - summed[2], (whole[5] - whole[2]).sum(axis=0), atol=1e-9)
+
+
+def _missed(estimate: Estimate, policy_features: np.ndarray, shrink: float = 1.0) -> bool:
+    """Whether an estimate's error is too small for one of four recommended candidates; each stands for itself."""
+    errors = estimate.features - policy_features
+    return any(
+        np.linalg.norm(errors - errors[i], axis=1).max() > shrink * estimate.error(i) for i in range(0, len(errors), 5)
+    )
+
+
+def test_errors_of_coupled_features_are_bounded_as_often_as_is_said() -> None:
+    runs, delta = 60, 0.1
+    estimates = [coupled_estimate(_tree(150, seed), RECORDED, 4, REACH, delta) for seed in range(runs)]
+    allowed = binom.ppf(1 - UNLIKELY, runs, delta)
+    assert sum(_missed(e, FEATURES) for e in estimates) <= allowed
+    assert sum(_missed(e, FEATURES, shrink=0.05) for e in estimates) > allowed
+
+
+def test_errors_of_independent_features_are_bounded_as_often_as_is_said() -> None:
+    runs, delta, simulator = 60, 0.1, tabular_simulator(STAR.dynamics)
+    estimates = []
+    for seed in range(runs):
+        samples = suffix_features(simulator, RECORDED, POLICIES, PER_STEP, 60, np.random.default_rng(seed))
+        estimates.append(independent_estimate(POLICIES, samples, PHI.bound, delta, 60 * len(POLICIES)))
+    allowed = binom.ppf(1 - UNLIKELY, runs, delta)
+    assert sum(_missed(e, FEATURES) for e in estimates) <= allowed
+    assert sum(_missed(e, FEATURES, shrink=0.05) for e in estimates) > allowed
+
+
+def test_rollouts_that_share_random_numbers_need_fewer_episodes() -> None:
+    n = 4000
+    coupled = coupled_estimate(_tree(n, 1), RECORDED, 4, REACH, 0.01)
+    each = coupled.episodes // len(POLICIES)
+    samples = suffix_features(
+        tabular_simulator(STAR.dynamics), RECORDED, POLICIES, PER_STEP, each, np.random.default_rng(1)
+    )
+    alone = independent_estimate(POLICIES, samples, PHI.bound, 0.01, each * len(POLICIES))
+    assert coupled.error(0) < 0.7 * alone.error(0)
+
+
+def test_policies_that_were_merged_lie_within_the_error_of_their_candidate() -> None:
+    """The merged state is often visited: without the part for its visits the error would be too small."""
+    merged = np.array([4])
+    estimate = coupled_estimate(_tree(20_000, 2, merged), RECORDED, 4, REACH, 0.01)
+    assert len(estimate.policies) == 4
+    exact = expected_features(STAR.dynamics, estimate.policies, PHI)[0]
+    stands_for = POLICIES[:, 3]  # the candidate that acts alike in the other open state
+    distance = np.linalg.norm((FEATURES - exact[0]) - (estimate.features[stands_for] - estimate.features[0]), axis=1)
+    visits = REACH * chance_bound(_tree(20_000, 2, merged).merged_visits, 20_000, 0.005)
+    assert distance.max() <= estimate.error(0)
+    assert distance.max() > estimate.error(0) - visits
+
+
+def test_only_rare_states_are_merged() -> None:
+    tree = _tree(2000, 5)
+    assert not len(rarely_visited(tree, 4, 0.01))
+    assert len(rarely_visited(tree, 4, 1.0)) >= 1
+
+
+def test_a_bound_holds_for_all_features_within_the_error() -> None:
+    """Adversarial: contenders are moved by the whole error in the direction that helps them, and rivals against it."""
+    rng = np.random.default_rng(4)
+    truth, d, weight_bound, radius = np.array([0.8, -0.4, 0.3]), 3, 2.0, 0.1
+    answers, evidence = Answers(d), Evidence([1.0, 4.0], d)
+    for _ in range(60):
+        x = rng.normal(size=d)
+        evidence.tell(*answers.add(x, int(rng.random() < expit(x @ truth))))
+    evidence.refit(answers, steps=6)
+    region = likelihood_set(answers, evidence.value - log(20), weight_bound, np.zeros(d))
+    assert region is not None
+    estimated = 0.6 * rng.normal(size=(8, d))
+    best = int((estimated @ truth).argmax())
+    estimated[[0, best]] = estimated[[best, 0]]
+    broken = 0
+    for direction in (region.interior, *rng.normal(size=(6, d))):
+        moved = estimated + radius * direction / np.linalg.norm(direction) * np.array([0] + [1, -1] * 3 + [1])[:, None]
+        for errors in (lambda _: weight_bound * radius, None):
+            gap = Gap(estimated, weight_bound, 0.6, 0.5, errors=errors)
+            gap.tighten(region)
+            for k in range(1, 8):
+                inside = [
+                    {"type": "ineq", "fun": lambda w: answers.log_likelihood(w[None])[0] - region.level},
+                    {"type": "ineq", "fun": lambda w: weight_bound**2 - w @ w},
+                    {"type": "ineq", "fun": lambda w, k=k, moved=moved: (moved[k] - moved) @ w},
+                ]
+                v = moved[k] - moved[0]
+                best_found = minimize(lambda w, v=v: -v @ w, region.interior, constraints=inside, method="SLSQP")
+                if not best_found.success or min(np.min(part["fun"](best_found.x)) for part in inside) < -1e-6:
+                    continue  # this contender is best nowhere in the set
+                if errors is not None:
+                    assert -best_found.fun <= gap.bounds[k] + 1e-4
+                else:
+                    broken += -best_found.fun > gap.bounds[k] + 1e-3
+    assert broken  # what ignores the errors is noticed
+
+
+def test_the_error_of_the_features_is_part_of_every_certificate() -> None:
+    rng = np.random.default_rng(0)
+    features, pool = rng.normal(size=(5, 3)), rng.normal(size=(40, 3))
+    session = Elicitation(features, Ball(2.0), pool, 0.05, "0.5nats", rng, fresh=True, errors=lambda _: 0.6)
+    for _ in range(20):
+        question = session.ask()
+        session.tell(question, int(rng.random() < expit(question.difference @ np.array([1.0, -0.5, 0.2]))))
+    assert not session.certified
+    assert session.certificate.gap >= 0.6
+
+
+def test_a_pool_shows_what_is_seldom_visited() -> None:
+    rng = np.random.default_rng(0)
+    drawn = sample_trajectories(make_mdp("gridworld"), np.full((16, 5), 0.2), 2000, rng)
+    shown = varied(drawn, 5, 200)
+    assert len(np.unique(shown)) == len(shown) == 200
+    pairs = drawn.states * 5 + drawn.actions
+    assert set(np.unique(pairs)) == set(np.unique(pairs[shown]))
+
+
+def test_a_simulator_is_enough_to_certify() -> None:
+    config = AskConfig("starmdp", dynamics="unknown")
+    record = run_session(config, *prepare(config), 0)
+    outcome = record["outcome"]
+    assert record["configuration"]["dynamics"] == "unknown"
+    assert outcome["questions"] is not None
+    assert -1e-9 < outcome["true_gap"] <= outcome["certified_gap"] <= 0.5
+    assert 10_000 < outcome["episodes"] < 100_000
+    assert "equal random numbers give equal states" in record["claims"]["sentence"]
+    assert run_session(config, *prepare(config), 0) == record
+
+
+def test_where_dynamics_are_known_nothing_is_recorded_of_them() -> None:
+    assert "dynamics" not in AskConfig("starmdp").record()
+
+
+def test_the_command_line_counts_episodes(tmp_path: object, capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["starmdp", "--dynamics", "unknown", "--seeds", "1", "--jobs", "1", "--out", str(tmp_path)]
+    assert main(arguments) == 0
+    assert "Features come from rollouts" in capsys.readouterr().out
+    assert main([*arguments, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["median_episodes"] > 10_000
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [({"dynamics": "guessed"}, "dynamics must be one of"), ({"until": "share=90%"}, "needs known dynamics")],
+)
+def test_a_wrong_setting_is_one_sentence(changes: dict[str, str], words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        AskConfig("starmdp", **({"dynamics": "unknown"} | changes))  # type: ignore[arg-type]

@@ -227,12 +227,31 @@ def test_a_bound_holds_for_all_features_within_the_error() -> None:
 def test_the_error_of_the_features_is_part_of_every_certificate() -> None:
     rng = np.random.default_rng(0)
     features, pool = rng.normal(size=(5, 3)), rng.normal(size=(40, 3))
-    session = Elicitation(features, Ball(2.0), pool, 0.05, "0.5nats", rng, fresh=True, errors=lambda _: 0.6)
-    for _ in range(20):
+    session = Elicitation(features, Ball(2.0), pool, 0.05, "1nats", rng, fresh=True, errors=lambda _: 0.3)
+    while not session.done:
         question = session.ask()
         session.tell(question, int(rng.random() < expit(question.difference @ np.array([1.0, -0.5, 0.2]))))
+    assert session.certified
+    assert 0.3 <= session.certificate.gap <= 1
+    assert session.certificate.needs_weight_bound  # the error is in nats over the ball
+
+
+def test_errors_above_the_goal_end_a_session_before_it_asks() -> None:
+    rng = np.random.default_rng(0)
+    features, pool = rng.normal(size=(5, 3)), rng.normal(size=(40, 3))
+    session = Elicitation(features, Ball(2.0), pool, 0.05, "0.5nats", rng, errors=lambda _: 0.6)
+    assert session.done
     assert not session.certified
     assert session.certificate.gap >= 0.6
+    with pytest.raises(InputError, match="more rollouts"):
+        session.ask()
+
+
+def test_shares_of_estimated_features_are_refused() -> None:
+    rng = np.random.default_rng(0)
+    features, pool = rng.normal(size=(5, 3)), rng.normal(size=(40, 3))
+    with pytest.raises(InputError, match="shares need exact features"):
+        Elicitation(features, Ball(2.0), pool, 0.05, "1nats", rng, reference=features[0], errors=lambda _: 0.1)
 
 
 def test_a_pool_shows_what_is_seldom_visited() -> None:

@@ -155,6 +155,8 @@ def _check_model(options: argparse.Namespace) -> None:
     for name, default in (("until", "10%"), ("asking", "pool"), ("reference", "random")):
         if without and getattr(options, name) != default:
             raise InputError(f"--{name} needs a model of utility; with --model none say --eps, and leave it out.")
+    if without and options.dynamics != "known":
+        raise InputError("--dynamics needs a model of utility; leave it out with --model none.")
     if options.eps is None:
         options.eps = 0.1
     if options.max_questions is None:

@@ -115,8 +115,8 @@ class Elicitation:
         self.goal = goal(until, utility_range)
         if self.goal.rho and reference is None:
             raise InputError(f"until={until!r} needs a reference; give reference=, the features of a policy.")
-        if errors is not None and self.goal.rho:
-            raise InputError(f"until must be a gap where features are estimates, got {until!r}; give '10%', say.")
+        if errors is not None and reference is not None:
+            raise InputError("shares need exact features; leave out reference= where features have errors.")
         self.asking, self.delta, self.weight_bound, self.fresh = check_rule(asking), delta, weights.radius, fresh
         self.rng, self.offline = rng, offline
         dimension = self.features.shape[1]
@@ -156,16 +156,20 @@ class Elicitation:
 
     @property
     def done(self) -> bool:
-        """Whether there is nothing more to ask: the goal is reached, or the answers contradict the model."""
-        return self.contradicted or self.certified
+        """Whether there is nothing more to ask: the goal is reached, the answers contradict the model, or what is left
+        is the error of features, which only more rollouts lower.
+        """
+        return self.contradicted or not self.gap.open
 
     def ask(self) -> Question:
         """The next question; the same one until it is told."""
         if self.contradicted:
             raise InputError(f"{self.contradiction}; no question can certify anything.")
         if self._pending is None:
-            if self.gap.critical is None:
+            if self.certified:
                 raise InputError("nothing is left to ask: every candidate is certified.")
+            if self.gap.critical is None or not self.gap.open:
+                raise InputError("the errors of the features alone exceed the goal; give features from more rollouts.")
             asked = None if self.fresh else self._asked
             state = State(self.pool, self._owners, *self._fit(), self.gap.critical, self.recommended, self._groups)
             first, second = choose(self.asking, state, self.rng, asked)
@@ -198,7 +202,9 @@ class Elicitation:
         """What is certified now."""
         gap, share = self._gap_and_share()
         reached, best = highest(self.answers, self.weight_bound, self._center)
-        bounded = self._region is None or needs_weight_bound(self._region, self.features, self.pool)
+        bounded = True  # errors of features, too, are nats over the ball
+        if self._region is not None and self.gap.errors is None:
+            bounded = needs_weight_bound(self._region, self.features, self.pool)
         words, chance = self.offline or ("the best of these candidates is meant, not of all policies", 0.0)
         return Certificate(
             certified=self.certified,

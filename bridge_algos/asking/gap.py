@@ -97,6 +97,11 @@ class Gap:
         """The largest bound: the certified gap in nats, where there is no reference."""
         return max(0.0, float(self.bounds.max()))
 
+    @property
+    def open(self) -> bool:
+        """Whether answers could still lower the gap to the target: not where errors of features alone exceed it."""
+        return self.error <= self.target and len(self._above()) > 0
+
     def anchor(self, candidate: int) -> FloatArray:
         """(d,) what contenders are compared with when that candidate is recommended."""
         own = self.features[candidate]
@@ -118,7 +123,7 @@ class Gap:
 
     def tighten(self, region: LikelihoodSet) -> None:
         """Lower the largest bounds until all are at most the target, or one is known to lie above it."""
-        if self._still_above(region):
+        if not self.open or self._still_above(region):
             return
         passed = 0
         while len(above := self._above()):
@@ -145,7 +150,8 @@ class Gap:
     def _above(self) -> IntArray:
         """Contenders whose bounds are above the target."""
         above = self.bounds > self.target
-        above[self.recommended] = False  # its own bound is the error of the features, which no answer lowers
+        if self.errors is not None:  # no answer lowers the error of the features, which is the recommended one's bound
+            above[self.recommended] = False
         return np.flatnonzero(above)
 
     def _work_on(self, region: LikelihoodSet, chosen: IntArray) -> bool:

@@ -81,7 +81,7 @@ def run_session(
         problem = build_problem(mdp, utility, n, rng, demonstrations, config.limit, config.pool)
         session = problem.session(until, delta, asking, rng, config.reference)
     covered = True
-    while not session.done and session.gap.critical and len(session.history) < config.max_questions:
+    while not session.done and len(session.history) < config.max_questions:
         question = session.ask()
         session.tell(question, simulated_answer(utility.weights, question.difference, rng))
         level = session.evidence.value - log(1 / session.delta)

@@ -166,10 +166,10 @@ class Elicitation:
         if self.contradicted:
             raise InputError(f"{self.contradiction}; no question can certify anything.")
         if self._pending is None:
-            if self.certified:
-                raise InputError("nothing is left to ask: every candidate is certified.")
-            if self.gap.critical is None or not self.gap.open:
+            if self.done and not self.certified:
                 raise InputError("the errors of the features alone exceed the goal; give features from more rollouts.")
+            if self.gap.critical is None:
+                raise InputError("nothing is left to ask: every candidate is certified.")
             asked = None if self.fresh else self._asked
             state = State(self.pool, self._owners, *self._fit(), self.gap.critical, self.recommended, self._groups)
             first, second = choose(self.asking, state, self.rng, asked)

@@ -130,6 +130,8 @@ def _header(r: Record, rng: np.random.Generator) -> None:
         value, r["candidates"] = not value, [r["recommended"]]
         r["configuration"]["limit"] = int(rng.choice([1, 2**21]))
         r["claims"]["candidates"] = r["outcome"]["candidates"] = 1
+    elif value is None:
+        value = [[0.0] * 20, [0.1] * 3, "random", 0][rng.integers(4)]
     else:
         value = type(value)(value * float(rng.choice([0.1, 0.5, 2.0, 10.0, -1.0])) + float(rng.choice([0.0, 0.3])))
         if rng.random() < 0.5:

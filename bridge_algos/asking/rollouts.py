@@ -189,7 +189,7 @@ def simulated_session(
     drawn = sample_each(mdp, policies[owners], 1, rng)
     picked = varied(drawn, mdp.n_actions, pool)
     shown, owners = Trajectories(drawn.states[picked], drawn.actions[picked]), owners[picked]
-    candidates = Candidates(policies, features, mdp.n_actions ** int((recorded < 0).sum()), complete=False)
+    candidates = Candidates(policies, features, mdp.n_actions ** int((recorded < 0).sum()), complete=True)
     problem = Problem(mdp, utility, demonstrations, candidates, shown, owners)
     session = Elicitation(
         features,

@@ -133,4 +133,5 @@ def _assumptions(given: Facts) -> tuple[str, ...]:
         else f"the best of these {len(given.candidates.features)} candidates is meant, which are a sample"
     )
     model = f"answers follow P(first is better) = sigma(<x, w>) with ||w|| <= W = {fixed.weight_bound:.6g}"
-    return (model, who)
+    how = "the session had only a simulator; this check computes features from the dynamics and uses no rollout of it"
+    return (model, who, how) if fixed.simulated else (model, who)

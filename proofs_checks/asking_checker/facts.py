@@ -54,7 +54,8 @@ def facts(record: Mapping[str, Any]) -> Facts:
     policy = table([record.get("recommended")], "recommended", fixed.mdp.n_states, fixed.mdp.n_actions)
     index, own = _recommended(policy, listed, fixed)
     anchor = own
-    named = reference(record, configured, fixed, listed, recorded)
+    if fixed.rho or not fixed.simulated:  # a session with a simulator has exact features of no reference
+        named = reference(record, configured, fixed, listed, recorded)
     if fixed.rho:
         mid = (1 + fixed.rho) * own.mid - fixed.rho * named.mid
         anchor = Enclosed(mid, (1 + fixed.rho) * (own.rad + named.rad) + 1e-15 * (1 + fixed.rho) * own.size)
@@ -77,7 +78,8 @@ def _candidates(
 ) -> Candidates:
     complete, mdp = truth(record, "complete"), fixed.mdp
     limit = whole(configured, "limit", 1)
-    same("complete", complete, mdp.n_actions ** int((recorded < 0).sum()) <= limit)
+    listable = mdp.n_actions ** int((recorded < 0).sum()) <= limit
+    same("complete", complete, listable or fixed.simulated)
     if complete:
         same("candidates", record.get("candidates"), None)
         return candidates(mdp, fixed.table, version_space(recorded, mdp.n_actions), complete)
@@ -115,7 +117,12 @@ def claims(record: Mapping[str, Any], given: Facts) -> Claims:
         raise InputError(f"the claimed gap is {gap!r}, expected a number of at least 0.")
     same("claims.answers", whole(entries, "answers"), len(given.log.answers))
     rounded = np.unique(cells(given.candidates.features, 1e-10, 0.5)[1]).size
-    if whole(entries, "candidates", 1) not in (len(given.candidates.features), rounded):
+    counts = (len(given.candidates.features), rounded)
+    if given.setting.simulated:  # it merges what its rollouts do not tell apart, and states that they seldom visit
+        if whole(entries, "candidates", 1) > given.candidates.size:
+            raise InputError(f"the session compared more candidates than the {given.candidates.size} policies.")
+        whole(outcome, "episodes", 1)
+    elif whole(entries, "candidates", 1) not in counts:
         raise InputError(
             f"the session compared {entries['candidates']} candidates; the demonstrations leave "
             f"{len(given.candidates.features)} with different features."

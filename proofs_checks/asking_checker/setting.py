@@ -18,6 +18,9 @@ from proofs_checks.asking_checker.entries import close, number, part, same, text
 from proofs_checks.verify.enclosed import FloatArray
 from proofs_checks.verify.features import Coordinates, coordinates
 
+SIMULATED_SHARE = 0.8
+"""Of delta, for the answers, where a session had only a simulator and spent the rest on its rollouts."""
+
 ADDITIVE = ("state_action_counts", "state_counts", "identity_short")
 
 PRIOR_SCALES = (1, 4, 16)
@@ -33,6 +36,7 @@ class Setting:
     target: nats; the gap at which the goal is reached.
     rho: with a share 1/(1 + rho), else 0.
     teacher: (d,) weights of a simulated teacher, or None for a person.
+    simulated: whether the session had only a simulator of the environment.
     """
 
     mdp: TabularMDP
@@ -43,6 +47,7 @@ class Setting:
     target: float
     rho: float
     teacher: FloatArray | None
+    simulated: bool
 
 
 def setting(record: Mapping[str, Any]) -> Setting:
@@ -58,7 +63,11 @@ def setting(record: Mapping[str, Any]) -> Setting:
         raise InputError(f"embedding is {embedding!r}, expected one of {', '.join(ADDITIVE)}.")
     table = coordinates(embedding, mdp.n_states, mdp.n_actions, mdp.horizon)
     delta = number(record, "delta", 1e-12, 1 - 1e-12)
-    same("delta", delta, number(configured, "delta", 1e-12, 1 - 1e-12))
+    simulated = "dynamics" in configured
+    if simulated:
+        same("dynamics", configured["dynamics"], "unknown")
+    whole_delta = number(configured, "delta", 1e-12, 1 - 1e-12)
+    close("delta", delta, SIMULATED_SHARE * whole_delta if simulated else whole_delta, 1e-15)
     weight_bound = number(record, "weight_bound", 1e-9, 1e9)
     precisions = vector(record.get("prior_precisions"), "prior_precisions", len(PRIOR_SCALES))
     for found, scale in zip(precisions.tolist(), PRIOR_SCALES, strict=True):
@@ -69,7 +78,7 @@ def setting(record: Mapping[str, Any]) -> Setting:
         _check_teacher(teacher, weight_bound, configured, table)
     spread = _utility_range(record, configured, mdp, table, teacher)
     target, rho = _goal(record, configured, spread)
-    return Setting(mdp, table, delta, weight_bound, tuple(precisions.tolist()), target, rho, teacher)
+    return Setting(mdp, table, delta, weight_bound, tuple(precisions.tolist()), target, rho, teacher, simulated)
 
 
 def _environment(name: str) -> TabularMDP:

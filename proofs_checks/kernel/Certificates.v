@@ -180,7 +180,8 @@ Proof.
   apply empty_set_certificate with (s := fun u => 1 * norm 1 u) (w0 := zero) (c := 1); try lra.
   - apply ball_supports.
   - unfold dual_bound, log_likelihood, likelihood, dot, norm, add, scale, zero; simpl.
-    unfold dot, zero; simpl. rewrite ln_1. match goal with |- context [sqrt ?r] => replace r with 0 by ring end. rewrite sqrt_0. lra.
+    unfold dot, zero; simpl. rewrite ln_1.
+      match goal with |- context [sqrt ?r] => replace r with 0 by ring end. rewrite sqrt_0. lra.
 Qed.
 
 Let phi (pi : bool) : vector := if pi then one_dimension else zero.
@@ -223,7 +224,8 @@ Proof.
   - intros pi [<-|[]]. exists zero, 0, [(1, false)]. split; [lra|]. split.
     + intros mu pi' [Em|[]]. inversion Em; subst. split; [lra|simpl; auto].
     + unfold dual_bound, norm, dot, share_direction, minus, add, scale, zero, phi, one_dimension; simpl.
-      unfold dot; simpl. match goal with |- _ + _ * sqrt ?r <= _ => replace r with 0 by (unfold add, scale, zero; ring) end. rewrite sqrt_0. lra.
+      unfold dot; simpl. match goal with |- _ + _ * sqrt ?r <=
+        _ => replace r with 0 by (unfold add, scale, zero; ring) end. rewrite sqrt_0. lra.
 Qed.
 
 End Examples.

@@ -104,7 +104,8 @@ Proof.
   destruct (truth_remains m) as [b [L B]]. exists b. split; auto.
   intros D h I J K0 K1 T. specialize (B D h I J K0 K1 T). revert B. apply always_impl.
   intros g [R0 P] level recommended reference rho Pr [V Z]. rewrite <- !utility_is_value.
-  apply (certified_share d difference weights s support candidates expected_feature wstar level g (remaining D)); auto.
+  apply (certified_share d difference weights s support candidates expected_feature wstar level g
+    (remaining D)); auto.
   apply best_utility.
 Qed.
 
@@ -134,7 +135,8 @@ Theorem certified_answers_version_space
   (E : environment St Ac) (H d : nat) (feature : trajectory St Ac -> vector)
   (weights : vector -> Prop) (s : vector -> R) (wstar : vector)
   (candidates : list (St -> Ac)) (expert : St -> Ac) (n m : nat) (delta : R)
-  (K : Type) (A : list (trajectory St Ac) -> asker question (questions H)) (forecasters : list (trajectory St Ac) -> list K)
+  (K : Type) (A : list (trajectory St Ac) ->
+    asker question (questions H)) (forecasters : list (trajectory St Ac) -> list K)
   (nu : list (trajectory St Ac) -> K -> R) (f : list (trajectory St Ac) -> K -> forecast) :
   supports d s weights -> weights wstar -> In expert candidates ->
   (forall g, In g candidates ->
@@ -144,7 +146,8 @@ Theorem certified_answers_version_space
   (forall D k, In k (forecasters D) -> honest (f D k)) ->
   in_session E H d feature wstar (deterministic expert) n A m (1 - delta) (fun D => always (fun h =>
     forall level recommended eps,
-      accepts E H d feature s (map deterministic candidates) (version_space candidates) delta forecasters nu f D h level
+      accepts E H d feature s (map deterministic candidates)
+        (version_space candidates) delta forecasters nu f D h level
         (fun pi => minus (expected_feature E H feature pi) (expected_feature E H feature recommended)) eps ->
       value E H d feature wstar (deterministic expert) - value E H d feature wstar recommended <= eps)).
 Proof.
@@ -195,7 +198,8 @@ Example certified_answers_version_space_nonvacuous :
   in_session small 1 1 last_action w (deterministic keep) 3 (fun _ => uniform_asker) 10 (1 - / 20)
     (fun D => always (fun h => forall level recommended eps,
       accepted D h level
-        (fun pi => minus (expected_feature small 1 last_action pi) (expected_feature small 1 last_action recommended)) eps ->
+        (fun pi => minus (expected_feature small 1 last_action pi)
+          (expected_feature small 1 last_action recommended)) eps ->
       value small 1 1 last_action w (deterministic keep) - value small 1 1 last_action w recommended <= eps)).
 Proof.
   apply certified_answers_version_space with (weights := ball 1 1); try lra.
@@ -222,7 +226,8 @@ Example certified_answers_nonvacuous :
   in_session small 1 1 last_action w (deterministic keep) 3 (fun _ => uniform_asker) 10 (1 - / 10 - / 20)
     (fun D => always (fun h => forall level recommended eps,
       accepted_all D h level
-        (fun pi => minus (expected_feature small 1 last_action pi) (expected_feature small 1 last_action recommended)) eps ->
+        (fun pi => minus (expected_feature small 1 last_action pi)
+          (expected_feature small 1 last_action recommended)) eps ->
       value small 1 1 last_action w (deterministic keep) - value small 1 1 last_action w recommended <= eps)).
 Proof.
   apply certified_answers with (weights := ball 1 1); try lra.

@@ -33,7 +33,8 @@ Lemma dot_scale c u w : dot (scale c u) w = c * dot u w.
 Proof. unfold dot, scale. rewrite <- sum_scal. apply sum_ext. intros; ring. Qed.
 
 Lemma dot_zero w : dot zero w = 0.
-Proof. transitivity (sum (fun _ : nat => 0) (seq 0 d)); [apply sum_ext; intros; unfold zero; ring|apply sum_zero]. Qed.
+Proof. transitivity (sum (fun _ : nat => 0) (seq 0 d)); [apply sum_ext; intros; unfold zero;
+  ring|apply sum_zero]. Qed.
 
 Lemma dot_self_nonneg u : 0 <= dot u u.
 Proof. apply sum_nonneg. intros; apply square_nonneg. Qed.

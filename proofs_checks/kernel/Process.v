@@ -72,7 +72,8 @@ Proof.
     destruct J as [<-|J]; auto. apply (IH p); auto.
 Qed.
 
-Lemma histories_cons n x h : In (x :: h) (histories (outcomes P) (S n)) <-> In x (outcomes P) /\ In h (histories (outcomes P) n).
+Lemma histories_cons n x h : In (x :: h) (histories (outcomes P) (S n)) <-> In x (outcomes P) /\
+  In h (histories (outcomes P) n).
 Proof.
   simpl. rewrite in_flat_map. split.
   - intros [p [I J]]. apply in_map_iff in J. destruct J as [y [E J]]. inversion E; subst. auto.
@@ -95,14 +96,16 @@ Proof.
   rewrite <- sum_scal. apply sum_ext. intros x _. simpl. ring.
 Qed.
 
-Lemma expect_ext n f g : (forall h, In h (histories (outcomes P) n) -> 0 < prob h -> f h = g h) -> expect n f = expect n g.
+Lemma expect_ext n f g : (forall h, In h (histories (outcomes P) n) -> 0 < prob h -> f h = g h) ->
+  expect n f = expect n g.
 Proof.
   intros Q. apply sum_ext. intros h I. destruct (Rle_lt_or_eq_dec 0 (prob h) (prob_nonneg h)) as [L|E].
   - rewrite (Q h); auto.
   - rewrite <- E; ring.
 Qed.
 
-Lemma expect_le n f g : (forall h, In h (histories (outcomes P) n) -> 0 < prob h -> f h <= g h) -> expect n f <= expect n g.
+Lemma expect_le n f g : (forall h, In h (histories (outcomes P) n) -> 0 < prob h -> f h <= g h) ->
+  expect n f <= expect n g.
 Proof.
   intros Q. apply sum_le. intros h I. destruct (Rle_lt_or_eq_dec 0 (prob h) (prob_nonneg h)) as [L|E].
   - apply Rmult_le_compat_l; auto. lra.
@@ -117,7 +120,8 @@ Proof. unfold expect. rewrite <- sum_scal. apply sum_ext. intros; ring. Qed.
 
 Lemma expect_const n c : expect n (fun _ => c) = c.
 Proof.
-  induction n as [|n IH]; [apply expect_zero|]. rewrite expect_step. transitivity (expect n (fun _ => c)); [|exact IH].
+  induction n as [|n IH]; [apply expect_zero|]. rewrite expect_step. transitivity (expect n (fun _ => c));
+    [|exact IH].
   apply expect_ext. intros h _ _. rewrite sum_scal_r, step_total. ring.
 Qed.
 
@@ -177,7 +181,8 @@ Lemma with_probability_weaken c c' n A :
 Proof. intros L [b [Q B]]. exists b. split; auto. lra. Qed.
 
 Lemma with_probability_impl c n (A B : list X -> Prop) :
-  (forall h, In h (histories (outcomes P) n) -> 0 < prob h -> A h -> B h) -> with_probability c n A -> with_probability c n B.
+  (forall h, In h (histories (outcomes P) n) -> 0 < prob h -> A h -> B h) -> with_probability c n A ->
+    with_probability c n B.
 Proof. intros Q [b [L E]]. exists b. split; auto. Qed.
 
 (* Two events at once. *)
@@ -187,7 +192,8 @@ Lemma with_probability_and d e n (A B : list X -> Prop) :
 Proof.
   intros [a [La Qa]] [b [Lb Qb]]. exists (fun h => a h && b h). split.
   - assert (Pr n a + Pr n b <= 1 + Pr n (fun h => a h && b h)); [|lra].
-    unfold Pr. rewrite <- expect_plus. rewrite <- (expect_const n 1), <- expect_plus. apply expect_le. intros h _ _. destruct (a h), (b h); simpl; lra.
+    unfold Pr. rewrite <- expect_plus. rewrite <- (expect_const n 1), <- expect_plus. apply expect_le.
+      intros h _ _. destruct (a h), (b h); simpl; lra.
   - intros h I L E. apply andb_prop in E. destruct E. split; auto.
 Qed.
 
@@ -199,7 +205,8 @@ Qed.
 
 (* Where the failure of A has probability at most d. *)
 Lemma with_probability_not d n (b : list X -> bool) (A : list X -> Prop) :
-  Pr n b <= d -> (forall h, In h (histories (outcomes P) n) -> 0 < prob h -> b h = false -> A h) -> with_probability (1 - d) n A.
+  Pr n b <= d -> (forall h, In h (histories (outcomes P) n) -> 0 < prob h -> b h = false -> A h) ->
+    with_probability (1 - d) n A.
 Proof.
   intros L Q. exists (fun h => negb (b h)). split; [rewrite Pr_not; lra|].
   intros h I J E. apply Q; auto. destruct (b h); auto; discriminate.

@@ -1,4 +1,5 @@
-(* Sessions of preference questions, and the set of weights that their answers leave (certified answers, G1 and G4). *)
+(* Sessions of preference questions, and the set of weights that their answers leave
+  (certified answers, G1 and G4). *)
 Require Import Reals List Lra Lia Bool.
 Require Import Bridge.Sums Bridge.Process Bridge.Distances Bridge.Logistic.
 Import ListNotations.
@@ -128,7 +129,8 @@ Proof.
   { assert (mixture ((q, Skipped) :: h) = mixture h) as Es.
     { apply sum_ext. intros k _. simpl. ring. }
     unfold answers; cbn [sum]. rewrite Es. unfold session_step; cbn [fst snd].
-    assert (El : forall a, likelihood w ((q, a) :: h) = likelihood w h * match a with Skipped => 1 | _ => model w h q a end)
+    assert (El : forall a, likelihood w
+      ((q, a) :: h) = likelihood w h * match a with Skipped => 1 | _ => model w h q a end)
       by (intros []; reflexivity).
     rewrite !El. field. lra. }
   rewrite E. unfold Rdiv. rewrite Rmult_assoc. apply Rmult_le_compat_l; auto.

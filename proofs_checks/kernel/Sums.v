@@ -228,7 +228,8 @@ Proof. decide equality; apply same. Defined.
 Lemma NoDup_list_prod {A B : Type} (l : list A) (m : list B) : NoDup l -> NoDup m -> NoDup (list_prod l m).
 Proof.
   intros Dl Dm. induction Dl as [|x l N D IH]; simpl; [constructor|].
-  assert (Q : forall (r s : list (A * B)), NoDup r -> NoDup s -> (forall z, In z r -> In z s -> False) -> NoDup (r ++ s)).
+  assert (Q : forall (r s : list (A * B)), NoDup r -> NoDup s -> (forall z, In z r -> In z s -> False) ->
+    NoDup (r ++ s)).
   { induction r as [|z r IHr]; intros s Dr Ds X; simpl; auto. inversion Dr; subst. constructor.
     - intros I. apply in_app_or in I. destruct I as [I|I]; [contradiction|]. apply (X z); simpl; auto.
     - apply IHr; auto. intros y I J. apply (X y); simpl; auto. }

@@ -18,7 +18,7 @@ SUBCOMMANDS = {
     "ask": ("bridge_algos.asking.cli", "ask preference questions until the answers certify a policy"),
     "verify": ("proofs_checks.verify.cli", "does a run's log prove its regret bounds?"),
     "check": ("proofs_checks.cli", "is each statement of the paper true? run the machine evidence"),
-    "plan": ("bridge_theory.cli.plan", "how many demonstrations or queries a target needs"),
+    "plan": ("experiments.plan", "how many demonstrations and questions a target needs"),
 }
 
 

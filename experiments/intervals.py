@@ -36,3 +36,23 @@ def share_text(events: ArrayLike, decimals: int = 0) -> str:
     happened = np.asarray(events)
     low, high = clopper_pearson(happened.sum(), happened.size)
     return f"{happened.mean():.{decimals}%} [{float(low):.{decimals}%}, {float(high):.{decimals}%}]"
+
+
+def median_interval(values: ArrayLike, level: float = 0.95) -> tuple[float, float]:
+    """Limits of the median of a law from independent draws of it, by order statistics (the sign test's interval).
+
+    They enclose the median with probability at least ``level`` whatever the law; the j-th smallest and j-th largest
+    draws, with the largest j for which a fair coin's binomial law allows it. Draws may be infinite. With too few draws
+    the limits are 0 and infinity, so that draws must not be negative.
+
+    >>> median_interval(range(1, 21)), median_interval([3, 5])
+    ((6.0, 15.0), (0.0, inf))
+    """
+    from scipy.stats import binom
+
+    ordered = np.sort(np.asarray(values, dtype=np.float64))
+    allowed = np.flatnonzero(binom.cdf(np.arange(len(ordered)), len(ordered), 0.5) <= (1 - level) / 2)
+    if not len(allowed):
+        return 0.0, float("inf")
+    rank = int(allowed[-1])
+    return float(ordered[rank]), float(ordered[len(ordered) - 1 - rank])

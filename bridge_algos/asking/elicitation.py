@@ -198,6 +198,14 @@ class Elicitation:
         self._look()
 
     @property
+    def tight_gap(self) -> float:
+        """The certified gap in nats, as small as these answers show it; a certificate's is only as tight as decides.
+
+        With a share as the goal, the gap beyond what the share allows.
+        """
+        return self.gap.value if self._region is None else self.gap.tight(self._region)
+
+    @property
     def certificate(self) -> Certificate:
         """What is certified now."""
         gap, share = self._gap_and_share()

@@ -154,6 +154,20 @@ class Gap:
             above[self.recommended] = False
         return np.flatnonzero(above)
 
+    def tight(self, region: LikelihoodSet) -> float:
+        """The certified gap in nats with every contender's bound computed to the tolerance, not only as far as decides.
+
+        Nothing is remembered, so that a session asks the same questions whether or not this is looked at.
+        """
+        open_ = np.flatnonzero(self.bounds > 0)
+        if not len(open_):
+            return 0.0
+        v = self.features[open_] - self.anchor(self.recommended)
+        alone = search(region, v, np.zeros((len(open_), 0, v.shape[1])), self.tolerance)
+        rows, _ = self._rows(open_, alone.points)
+        bounds = np.minimum(alone.bound, search(region, v, rows, self.tolerance).bound)
+        return max(0.0, float(np.minimum(bounds, self.bounds[open_]).max()))
+
     def _work_on(self, region: LikelihoodSet, chosen: IntArray) -> bool:
         """Bound some contenders; whether one of them lies above the target."""
         v = self.features[chosen] - self.anchor(self.recommended)

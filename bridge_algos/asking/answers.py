@@ -88,5 +88,5 @@ class Answers:
         curvature = total * p * (1 - p)
         if len(weights) == 1:  # one product instead of a stack of them
             return value, gradient, ((x.T * curvature[0]) @ x)[None]
-        outer = (x[:, :, None] * x[:, None, :]).reshape(len(x), -1)
+        outer = (x[:, :, None] * x[:, None, :]).reshape(len(x), x.shape[1] ** 2)
         return value, gradient, (curvature @ outer).reshape(len(weights), x.shape[1], x.shape[1])

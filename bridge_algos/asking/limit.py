@@ -241,7 +241,7 @@ def _confusing(
     """For each contender the weights (B, d) that a design tells least from the true ones, and how well it does (B,)."""
     x = setting.questions[support]
     chances = expit(x @ setting.truth)
-    outer = (x[:, :, None] * x[:, None, :]).reshape(len(x), -1)
+    outer = (x[:, :, None] * x[:, None, :]).reshape(len(x), x.shape[1] ** 2)
     size = x.shape[1]
 
     def told(w: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

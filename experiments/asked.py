@@ -64,7 +64,7 @@ def draw_axes(axes: Any, demonstrations: list[int], most: int, until: str) -> No
     axes.set_yticks([*ticks, censored_level(most)], [*(str(tick) for tick in ticks), f"> {most}"])
     axes.set_xticks(range(len(demonstrations)), [str(n) for n in demonstrations])
     axes.set(xlim=(-0.5, len(demonstrations) - 0.5), ylim=(-0.03 * most, 1.13 * most))
-    axes.set(xlabel="demonstrations", ylabel=f"questions until the gap is certified ({until})")
+    axes.set(xlabel="demonstrations", ylabel=f"questions until a gap of {until} is certified")
 
 
 def draw_medians(axes: Any, places: ArrayLike, summaries: list[Asked], most: int, style: dict[str, Any]) -> None:

@@ -42,7 +42,7 @@ def figure(data: xr.Dataset) -> Any:
 def _draw_questions(axes: Any, data: xr.Dataset) -> None:
     settings = json.loads(data.attrs["settings"])
     counts, most = settings["demonstrations"], settings["max_questions"]
-    draw_axes(axes, counts, most, f"{settings['until']} of the range")
+    draw_axes(axes, counts, most, settings["until"])
     names = settings["asking"]
     for position, name in enumerate(names):
         own = _of(data, name)
@@ -53,8 +53,8 @@ def _draw_questions(axes: Any, data: xr.Dataset) -> None:
     style = {"color": "#000000", "linestyle": (0, (1, 1.2)), "label": "least possible (estimate)"}
     axes.plot(places, data.yardstick.median("limit_seed"), **style)
     for place, old in zip(places, data.old.median("limit_seed").values, strict=True):
-        axes.annotate(_old_text(old), (place, 1.17 * most), fontsize=7.5, ha="center", annotation_clip=False)
-    axes.annotate("R1:", (-0.5, 1.17 * most), fontsize=7.5, ha="left", annotation_clip=False)
+        text = f"R1: {_old_text(old)}".replace("10^", "$10^{") + ("}$" if 1e4 <= old < np.inf else "")
+        axes.annotate(text, (place, 1.16 * most), fontsize=7.5, ha="center", annotation_clip=False)
     axes.set_title("median and 10-90 % of the sessions\n", fontsize=9)
     axes.legend(fontsize=6.5, frameon=False, loc="upper right", bbox_to_anchor=(1, 0.88))
 

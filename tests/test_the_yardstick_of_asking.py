@@ -10,7 +10,18 @@ from scipy.optimize import minimize
 from scipy.special import expit
 
 from bridge_algos.asking.interior import CutBall, inner_points, minimise
-from bridge_algos.asking.limit import Setting, all_pairs, best_design, divergences, information_rate, limit
+from bridge_algos.asking.limit import (
+    Setting,
+    all_pairs,
+    best_design,
+    divergences,
+    information_rate,
+    limit,
+    tabular_limit,
+)
+from bridge_algos.asking.tabular import build_problem
+from bridge_algos.asking.utility import simulated_utility
+from bridge_algos.envs.registry import make_mdp
 from bridge_theory.errors import InputError
 
 
@@ -43,6 +54,14 @@ def test_nothing_to_show_needs_no_question() -> None:
     setting = Setting(np.array([[1.0], [0.95]]), np.array([1.0]), 2.0, 0.5, np.array([[1.0]]))
     found = limit(setting, 0.05)
     assert (found.rate, found.reached, found.questions, found.correct) == (inf, inf, 0.0, 2)
+
+
+def test_one_candidate_needs_no_question() -> None:
+    mdp = make_mdp("starmdp")
+    utility = simulated_utility(mdp, "state_action_counts", utility_range=5)
+    problem = build_problem(mdp, utility, 40, np.random.default_rng(0), pool=20)
+    assert len(problem.candidates.features) == 1
+    assert tabular_limit(problem, 0.5, 0.05).questions == 0
 
 
 def test_cones_can_only_shorten_the_way() -> None:

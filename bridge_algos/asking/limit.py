@@ -215,6 +215,8 @@ def _alternatives(setting: Setting, candidate: int) -> tuple[CutBall, FloatArray
     """For each contender the weights under which it is the best and beats the candidate by eps; and a point inside."""
     v = setting.features - setting.features[candidate]
     contenders = np.flatnonzero(np.linalg.norm(v, axis=1) * setting.weight_bound > setting.nats)
+    if not len(contenders):
+        return CutBall(v[:0, None], v[:0, :1], setting.weight_bound, v.shape[1]), v[:0]
     if len(contenders) > CONTENDERS:
         p = expit(setting.questions @ setting.truth)
         information = (setting.questions.T * (p * (1 - p) / len(p))) @ setting.questions

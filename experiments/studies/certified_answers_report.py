@@ -55,7 +55,7 @@ def _draw_questions(axes: Any, data: xr.Dataset) -> None:
     for place, old in zip(places, data.old.median("limit_seed").values, strict=True):
         text = f"R1: {_old_text(old)}".replace("10^", "$10^{") + ("}$" if 1e4 <= old < np.inf else "")
         axes.annotate(text, (place, 1.16 * most), fontsize=7.5, ha="center", annotation_clip=False)
-    axes.set_title("median and 10-90 % of the sessions\n", fontsize=9)
+    axes.set_title("median and 10-90 % of the sessions\n(R1: what the earlier certificate needs)\n", fontsize=8.5)
     axes.legend(fontsize=6.5, frameon=False, loc="upper right", bbox_to_anchor=(1, 0.88))
 
 
@@ -71,7 +71,7 @@ def _draw_gaps(axes: Any, data: xr.Dataset) -> None:
     n = json.loads(data.attrs["settings"])["session"]["demonstrations"]
     axes.set(xlabel="questions answered", ylabel="gap of the recommended policy (nats)", ylim=(-0.1, None))
     axes.set(xlim=(0, looks[-1]))
-    axes.set_title(f"{n} demonstration{'' if n == 1 else 's'}, best question of the pool\n", fontsize=9)
+    axes.set_title(f"{n} demonstration{'' if n == 1 else 's'}, best question of the pool\n\n", fontsize=8.5)
     axes.legend(fontsize=6.5, frameon=False, loc="upper right")
 
 

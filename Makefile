@@ -4,7 +4,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
 
-.PHONY: demo test lint bench clean
+.PHONY: demo test lint bench proofs clean
 
 # The main job: the paper's tabular experiment, 30 seeds, all algorithms, with figures.
 demo: $(VENV)/.core
@@ -20,6 +20,10 @@ lint: $(VENV)/.dev
 
 bench: $(VENV)/.dev
 	$(BIN)/python -m experiments.bench
+
+# Check every theorem again by Coq's kernel; needs Debian's packages coq and libcoq-interval.
+proofs: $(VENV)/.core
+	$(BIN)/python -m proofs_checks.kernel.gate
 
 $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)

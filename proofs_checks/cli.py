@@ -15,6 +15,7 @@ from bridge_theory.cli.options import Parser
 from bridge_theory.errors import InputError
 from proofs_checks.claim import MEANING, Claim
 from proofs_checks.evidence import STRENGTH
+from proofs_checks.kernel.recorded import counts
 from proofs_checks.ledger import all_evidence, claims, matching, missing_engines
 from proofs_checks.record import record
 from proofs_checks.run import jobs_for, run_all
@@ -48,7 +49,8 @@ def main(argv: list[str]) -> int:
 
         atomic_write_text(options.html, page(standings, reports, quick=options.quick))
     if options.json:
-        print(json.dumps([record(item, reports) for item in standings], indent=2, ensure_ascii=False))
+        found = {**counts(), "claims": [record(item, reports) for item in standings]}
+        print(json.dumps(found, indent=2, ensure_ascii=False))
     else:
         colour = sys.stdout.isatty() and "NO_COLOR" not in os.environ
         width = shutil.get_terminal_size().columns if sys.stdout.isatty() else None

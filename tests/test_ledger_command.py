@@ -15,6 +15,7 @@ from bridge_theory.errors import InputError
 from proofs_checks import attack, cli
 from proofs_checks.claim import Claim
 from proofs_checks.evidence import exact, mutant, refuted, unsettled
+from proofs_checks.kernel.recorded import counts
 from proofs_checks.ledger import claims
 from proofs_checks.outcome import Outcome
 from proofs_checks.search import Attempt, Search
@@ -72,14 +73,14 @@ def test_a_failing_check_exits_with_1_in_every_format(ledger: Any, capsys: pytes
     assert cli.main(["--jobs", "1"]) == 1
     assert "too small" in capsys.readouterr().out
     assert cli.main(["--jobs", "1", "--json"]) == 1
-    assert json.loads(capsys.readouterr().out)[0]["evidence"][0]["status"] == "fails"
+    assert json.loads(capsys.readouterr().out)["claims"][0]["evidence"][0]["status"] == "fails"
 
 
 def test_filters_choose_claims(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["--topic", "experiments", "--status", "false", "--json", "--jobs", "1"]) == 0
-    assert {entry["verdict"] for entry in json.loads(capsys.readouterr().out)} == {"false"}
+    assert {entry["verdict"] for entry in json.loads(capsys.readouterr().out)["claims"]} == {"false"}
     assert cli.main(["--only", "fig:starMDP", "--json", "--jobs", "1"]) == 0
-    assert [entry["label"] for entry in json.loads(capsys.readouterr().out)] == ["fig:starMDP"]
+    assert [entry["label"] for entry in json.loads(capsys.readouterr().out)["claims"]] == ["fig:starMDP"]
 
 
 def test_the_list_names_every_claim(capsys: pytest.CaptureFixture[str]) -> None:
@@ -97,7 +98,9 @@ def test_lines_fit_the_terminal(width: int) -> None:
 def test_json_is_complete_and_free_of_terminal_codes(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["--only", "tab:continuous_embeddings", "--json", "--mutants", "--jobs", "1"]) == 0
     out = capsys.readouterr().out
-    evidence = json.loads(out)[0]["evidence"][0]
+    found = json.loads(out)
+    evidence = found["claims"][0]["evidence"][0]
+    assert {name: found[name] for name in ("kernel_checked", "kernel_refuted")} == counts()
     assert "\033" not in out
     assert evidence["counterexample"] == "apparatus-unbounded-observation"
     assert set(evidence["mutants"].values()) == {"rejected"}

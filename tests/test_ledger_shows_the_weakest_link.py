@@ -190,7 +190,7 @@ def test_what_is_false_by_a_weaker_link_says_so() -> None:
 
 def test_the_json_names_what_shows_each_link(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["--only", "local:hellinger_recursion", "--json", "--quick", "--jobs", "1"]) == 0
-    (found, _) = json.loads(capsys.readouterr().out)
+    (found, _) = json.loads(capsys.readouterr().out)["claims"]
     assert [part["says"] for part in found["links"]] == ["the recursion"]
     assert found["weakest"] == found["links"][0]["shown"]
     assert {piece["check"] for piece in found["evidence"]} >= set(found["links"][0]["by"])

@@ -175,7 +175,7 @@ Proof. apply dual_certificate_ball; [apply unit_weight|apply answer_plausible|lr
 
 (* A level of 1 is above every log-likelihood. *)
 Example empty_set_certificate_nonvacuous :
-  forall w, ~ plausible 1 x (ball 1 1) 1 [] w.
+  ~ plausible 1 x (ball 1 1) 1 [] zero.
 Proof.
   apply empty_set_certificate with (s := fun u => 1 * norm 1 u) (w0 := zero) (c := 1); try lra.
   - apply ball_supports.

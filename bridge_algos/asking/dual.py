@@ -95,6 +95,13 @@ def dual_bounds(
     return np.asarray(bound + ROUNDING * (1 + size + region.weight_bound * (sums + 1e-3 * counted))), rest
 
 
+def shared_bounds(region: LikelihoodSet, v: FloatArray, point: FloatArray) -> FloatArray:
+    """Upper bounds on <v, w> over the set for all directions (N, d), (N,), each with its best c at one point (d,)."""
+    w, size = point[None], len(v)
+    c = _best_multiplier(region, v, w, np.zeros(size))
+    return dual_bounds(region, v, np.zeros((size, 0, v.shape[1])), w, c, np.zeros((size, 0)))[0]
+
+
 def search(
     region: LikelihoodSet,
     v: FloatArray,

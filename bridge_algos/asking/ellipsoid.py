@@ -48,6 +48,7 @@ class Ellipsoid:
         center: (d,).
         matrix: (d, d) positive definite.
         radius: rho, at least 0.
+        level: the log-likelihood that the weights of the set have at least.
         empty: whether no weights of norm at most W are likely enough, so that W or the model is refuted; then the
             ellipsoid is the ball of all weights.
     """
@@ -55,6 +56,7 @@ class Ellipsoid:
     center: FloatArray
     matrix: FloatArray
     radius: float
+    level: float
     empty: bool = False
 
 
@@ -92,11 +94,11 @@ def likelihood_ellipsoid(x: FloatArray, outcomes: FloatArray, weight_bound: floa
         pull = root @ u
         square = known + (pull @ pull) * (1 + ROUNDING)
         if square < 0:
-            return Ellipsoid(np.zeros(d), np.eye(d), weight_bound, empty=True)
+            return Ellipsoid(np.zeros(d), np.eye(d), weight_bound, level, empty=True)
         center, radius = w - root.T @ pull, float(np.sqrt(square)) * (1 + ROUNDING)
         middle, width = x @ center, radius * np.linalg.norm(x @ root.T, axis=1) * (1 + ROUNDING)
         low, high = np.maximum(low, middle - width), np.minimum(high, middle + width)
-    return Ellipsoid(center, matrix, radius)
+    return Ellipsoid(center, matrix, radius, level)
 
 
 def evidence(x: FloatArray, outcomes: FloatArray, weight_bound: float) -> float:

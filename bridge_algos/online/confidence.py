@@ -6,7 +6,7 @@ Four versions, each a :class:`Confidence`:
 - :func:`stated`: the paper's formulas to the letter (appendix "Online Estimation"), with the bonus 2 eta where they are
   undefined (a pair seen at most once: log log N);
 - :func:`repaired`: audit R1, R2, R6: multiplier from the observed data matrix and the solver's own error, L1 bonus;
-- :func:`likelihood`: companion G5, G6: the ellipsoid around the likelihood set of the answers, without kappa; L1 bonus.
+- :func:`likelihood`: companion G2, G5, G6: the likelihood set of the answers, without kappa; L1 bonus.
 """
 
 from __future__ import annotations
@@ -19,11 +19,12 @@ from typing import Literal
 import numpy as np
 
 import bridge_theory as theory
-from bridge_algos.asking.ellipsoid import Ellipsoid, likelihood_ellipsoid
+from bridge_algos.asking.ellipsoid import Ellipsoid
 from bridge_algos.given import checked
 from bridge_algos.mdp import Dynamics, FloatArray, IntArray
 from bridge_algos.occupancy import total_occupancies
 from bridge_algos.online.cholesky import inverse_root, log_det
+from bridge_algos.online.likelihood import LikelihoodFilter
 from bridge_theory.bound import Bound
 from bridge_theory.errors import InputError
 
@@ -71,8 +72,8 @@ class Confidence:
         pair_bonus: factor on the bonuses where the pair is chosen; Pi_t takes them as they are.
         needs_history: whether the multiplier needs the occupancies and counts of the pairs played so far.
         needs_error: whether it needs the solver's error.
-        ellipsoid: from differences (m, d) and answers (m,) to a set of weights, whose centre and matrix then replace
-            the fitted weights and the data matrix in Pi_t and the choice of the pair.
+        answers: makes what Pi_t comes from in a run, where that is not the multiplier; the centre and the matrix of its
+            ellipsoid then replace the fitted weights and the data matrix in the choice of the pair.
     """
 
     name: str
@@ -85,7 +86,7 @@ class Confidence:
     pair_bonus: float = 1.0
     needs_history: bool = False
     needs_error: bool = False
-    ellipsoid: Callable[[FloatArray, FloatArray], Ellipsoid] | None = None
+    answers: Callable[[], LikelihoodFilter] | None = None
 
 
 @checked
@@ -226,9 +227,10 @@ def likelihood(
     delta_w: float,
     delta_p: float,
 ) -> Confidence:
-    r"""Companion G5 in audit R2 and R4: :math:`\Pi_t` and pair from an ellipsoid around the likelihood set; L1 bonus.
+    r"""Companion G6: :math:`\Pi_t` from the likelihood set, the pair from the ellipsoid around it (G5); L1 bonus.
 
-    Spends delta_w on the weights and, for unknown dynamics, delta_p on the transitions, as :func:`repaired` does.
+    Spends delta_w on the weights and, for unknown dynamics, delta_p on the transitions, as :func:`repaired` does. See
+    :mod:`bridge_algos.online.likelihood`.
     """
     scale = _curvature(theory.kappa_differences, embedding_bound, weight_bound) * lam  # of the norm of projections
     eta = embedding_bound * weight_bound
@@ -246,7 +248,7 @@ def likelihood(
         2 * eta,
         "observed",
         scale,
-        ellipsoid=lambda x, outcomes: likelihood_ellipsoid(x, outcomes, weight_bound, delta_w),
+        answers=lambda: LikelihoodFilter(weight_bound, delta_w),
     )
 
 

@@ -21,6 +21,7 @@ from bridge_algos.given import check_fields, checked
 from bridge_algos.mdp import Dynamics, FloatArray, IntArray, TabularMDP
 from bridge_algos.offline.transitions import add_transitions, estimate_transitions
 from bridge_algos.online.confidence import Confidence, RoundState, pair_visits
+from bridge_algos.online.likelihood import LikelihoodFilter
 from bridge_algos.online.memory import Memory, Rows
 from bridge_algos.online.oracles import Oracle
 from bridge_algos.online.pair_rules import PairRule, choose_pair
@@ -231,15 +232,20 @@ def run_online(
     memory = _start(problem, learner)
     with_error = learner.confidence.needs_error or log is not None
     view = _look(problem, learner, memory, policies, None, rng, with_error)
+    answers = None if learner.confidence.answers is None else learner.confidence.answers()
+    challenging = np.arange(len(policies)) < len(learner.policies)
     record = {name: np.full(rounds, np.nan) for name in RECORDED}
     for t in range(1, rounds + 1):
         clock = time.perf_counter()
-        state, center = _state(t, learner, memory, view)
+        state, center = _state(t, memory, view, answers)
         gamma = learner.confidence.multiplier(state)
         z = view.features @ state.inverse_root.T
         scores = view.features @ center
-        upper, lower = scores + view.bonus, scores - view.bonus
-        keeps = surviving(upper, lower[:-1], z, gamma, z[:-1])
+        if answers is None:
+            upper, lower = scores + view.bonus, scores - view.bonus
+            keeps = surviving(upper, lower[:-1], z, gamma, z[:-1])
+        else:
+            keeps = answers.survivors(view.features, view.bonus, challenging)
         kept, optimum_kept = keeps[:-1], bool(keeps[-1])
         bonus = learner.confidence.pair_bonus * view.bonus[:-1]
         first, second = choose_pair(learner.pair_rule, kept, scores[:-1], z[:-1], gamma, bonus, rng)
@@ -290,12 +296,12 @@ def run_online(
     return record
 
 
-def _state(t: int, learner: Learner, memory: Memory, view: _View) -> tuple[RoundState, FloatArray]:
+def _state(t: int, memory: Memory, view: _View, answers: LikelihoodFilter | None) -> tuple[RoundState, FloatArray]:
     """The state of round t, and the middle of its confidence set."""
     past = view.error, memory.played_visits, memory.counts_then
-    if learner.confidence.ellipsoid is None:
+    if answers is None:
         return RoundState(t, memory.matrix, *past), view.w
-    ellipsoid = learner.confidence.ellipsoid(memory.x.values, memory.outcomes.values)
+    ellipsoid = answers.look(memory.x.values, memory.outcomes.values)
     return RoundState(t, ellipsoid.matrix, *past, ellipsoid), ellipsoid.center
 
 

@@ -21,11 +21,12 @@ PASSES = 4
 
 
 class Around(NamedTuple):
-    """The weights w with (w - center)' matrix (w - center) <= radius^2."""
+    """The weights w with (w - center)' matrix (w - center) <= radius^2, around those of log-likelihood >= level."""
 
     center: FloatArray
     matrix: FloatArray
     radius: float
+    level: float
 
 
 def ellipsoid_around(x: FloatArray, outcomes: FloatArray, weight_bound: float, delta: float) -> Around:
@@ -39,9 +40,10 @@ def ellipsoid_around(x: FloatArray, outcomes: FloatArray, weight_bound: float, d
     z = x @ w
     likelihood = float(np.sum(outcomes * _log_sigmoid(z) + (1 - outcomes) * _log_sigmoid(-z)))
     evidence = np.logaddexp.reduce([_evidence(x, outcomes, k * unit) for k in SCALES]) - np.log(len(SCALES))
-    square = 2 * (likelihood - evidence - np.log(delta)) + eta * (weight_bound**2 - w @ w)
+    level = float(evidence + np.log(delta))
+    square = 2 * (likelihood - level) + eta * (weight_bound**2 - w @ w)
     if square < 0:
-        return Around(np.zeros(d), np.eye(d), weight_bound)
+        return Around(np.zeros(d), np.eye(d), weight_bound, level)
     reach = weight_bound * np.linalg.norm(x, axis=1)
     intervals = np.stack([-reach, reach])
     for _ in range(PASSES):
@@ -50,7 +52,7 @@ def ellipsoid_around(x: FloatArray, outcomes: FloatArray, weight_bound: float, d
         matrix = x.T @ (weights[:, None] * x) + eta * np.eye(d)
         width = np.sqrt(square * np.einsum("si,si->s", x, np.linalg.solve(matrix, x.T).T))
         intervals = np.stack([np.maximum(intervals[0], z - width), np.minimum(intervals[1], z + width)])
-    return Around(w, matrix, float(np.sqrt(square)))
+    return Around(w, matrix, float(np.sqrt(square)), level)
 
 
 def _evidence(x: FloatArray, outcomes: FloatArray, precision: float) -> float:

@@ -57,8 +57,8 @@ class Replay:
         scale = midpoint(rule.scale)
         matrix, scores = scale * np.eye(len(gram)) + (self.expected if rule.expected else gram), view.scores.mid
         gamma = rule.gamma(t, view.rho, self.history)
-        if rule.around is not None:
-            around = rule.around(*self.answered)
+        if rule.answers is not None:
+            around = rule.answers.look(*self.answered)
             matrix, gamma, scores = around.matrix, around.radius, view.features.mid @ around.center
         bonus = self._bonus(view, counts, kernel)
         z = view.features.mid @ np.linalg.inv(np.linalg.cholesky(matrix)).T
@@ -69,6 +69,8 @@ class Replay:
         for claim, value in zip(facts.claims["bonus"][t - 1], bonus[pair], strict=True):
             if not abs(claim - value) <= TOLERANCE * (value + 1e-3):
                 self._fault(t, f"a bonus of the pair is claimed to be {claim:.6g}, recomputed {value:.6g}")
+        if rule.answers is not None:
+            rule.answers.settle(view.features.mid, z, bonus)
         self._membership(t, scores, z, gamma, bonus)
         if counts is not None:
             self.history.visits.append(_visits(facts, kernel, pair))
@@ -94,15 +96,19 @@ class Replay:
         reach = 2 * float(np.linalg.norm(z - z.mean(axis=0), axis=1).max())
         size = float(np.abs(scores).max() + bonus.max()) + gamma * reach
         allowance = np.sqrt(64 * (z.shape[1] + 4) * UNIT) * size + 1e-12
-        lowest, highest = worst_margins(Enclosed(scores, 0.0), Enclosed(z, 0.0), gamma, bonus)
-        inside = lowest >= -1e-9 * size - 1e-12  # rounding may keep a policy, but never rules one out
-        least, most = int(inside.sum()), int((highest >= -allowance).sum())
+        if self.rule.answers is None:
+            lowest, highest = worst_margins(Enclosed(scores, 0.0), Enclosed(z, 0.0), gamma, bonus)
+            inside = lowest >= -1e-9 * size - 1e-12  # rounding may keep a policy, but never rules one out
+            perhaps = highest >= -allowance
+        else:
+            inside, perhaps = self.rule.answers.inside, self.rule.answers.perhaps
+        least, most = int(inside.sum()), int(perhaps.sum())
         claim = int(self.facts.claims["set_size"][t - 1])
         if not least <= claim <= most:
             counted = str(least) if least == most else f"{least} to {most}"
             self._fault(t, f"the policies left are claimed to be {claim}, recomputed {counted}")
         for i in pair:
-            if highest[i] < -allowance:
+            if not perhaps[i]:
                 self._fault(t, f"policy {i} of the stored pair is not inside Pi_t")
         first, second = pair
         if (first == second) != (claim == 1):

@@ -29,7 +29,7 @@ def fit_in_ball(answers: Answers, weight_bound: float, start: FloatArray) -> Flo
     for weight in (1.0, 0.1, 0.01, 1e-3):
 
         def height(w: FloatArray, weight: float = weight) -> Expansion:
-            return _sum(_likelihood(answers, w), _room(weight_bound, w), weight)
+            return _sum(expansion(answers, w), _room(weight_bound, w), weight)
 
         w = _climb(height, w)
     return w
@@ -70,7 +70,8 @@ def _climb(height: Callable[[FloatArray], Expansion], w: FloatArray) -> FloatArr
     return w
 
 
-def _likelihood(answers: Answers, w: FloatArray) -> Expansion:
+def expansion(answers: Answers, w: FloatArray) -> Expansion:
+    """The log-likelihood with its derivatives."""
     x = answers.differences.astype(np.float64)
     z = x @ w
     p = 1 / (1 + np.exp(-np.clip(z, -700, 700)))
@@ -81,7 +82,7 @@ def _likelihood(answers: Answers, w: FloatArray) -> Expansion:
 
 def _slack(answers: Answers, level: float, w: FloatArray) -> Expansion:
     """log(l(w) - L)."""
-    value, gradient, hessian = _likelihood(answers, w)
+    value, gradient, hessian = expansion(answers, w)
     slack = value - level
     if not slack > 0:
         return -np.inf, gradient, hessian

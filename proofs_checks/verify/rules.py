@@ -10,11 +10,11 @@ import numpy as np
 import bridge_theory as theory
 from bridge_theory.arithmetic.balls import BALLS
 from bridge_theory.arithmetic.flint_balls import Ball, ball
-from proofs_checks.verify.around import Around, ellipsoid_around
 from proofs_checks.verify.ellipsoid import certified_scale
 from proofs_checks.verify.enclosed import FloatArray
 from proofs_checks.verify.facts import Facts
 from proofs_checks.verify.features import IntArray, approximate_bound, feature_bound
+from proofs_checks.verify.remaining import Remaining
 
 
 @dataclass(eq=False)
@@ -34,15 +34,15 @@ class Rule:
         expected: the matrix takes in the expected differences of the pairs, not the observed ones of trajectories.
         gamma: multiplier in round t from the certified radius rho_t and the history.
         costs: bonus of a pair of state and action from its count; None for the L1 bonus of audit R6.
-        around: from the answers so far to an ellipsoid of weights, whose centre, matrix and radius are then used
-            instead of the logged weights, the data matrix and ``gamma``.
+        answers: what Pi_t comes from where it is not the multiplier; the centre, matrix and radius of its ellipsoid are
+            then used instead of the logged weights, the data matrix and ``gamma``.
     """
 
     scale: Ball
     expected: bool
     gamma: Callable[[int, float, History], float]
     costs: Callable[[IntArray], FloatArray] | None = None
-    around: Callable[[IntArray, FloatArray], Around] | None = None
+    answers: Remaining | None = None
 
 
 def rule_of(facts: Facts) -> Rule:
@@ -57,13 +57,8 @@ def _repaired(facts: Facts) -> Rule:
 
 
 def _likelihood(facts: Facts) -> Rule:
-    weight_bound, delta, slope = float(facts.weight_bound), float(facts.delta), float(facts.slope)
-
-    def around(differences: IntArray, outcomes: FloatArray) -> Around:
-        x: FloatArray = slope * differences.astype(np.float64)
-        return ellipsoid_around(x, outcomes, weight_bound, delta)
-
-    return replace(_repaired(facts), around=around)
+    numbers = float(facts.weight_bound), float(facts.delta), float(facts.slope)
+    return replace(_repaired(facts), answers=Remaining(*numbers, len(facts.policies)))
 
 
 def _fixed(facts: Facts) -> Rule:

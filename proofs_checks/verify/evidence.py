@@ -117,8 +117,9 @@ def _log_det_ratio(answers: Answers, kappas: list[Ball], lam: Ball) -> Ball:
     """
     x = answers.differences.astype(np.float64)
     d = x.shape[1]
-    low_high = np.array([ends(kappa) for kappa in kappas]).reshape(-1, 2)
-    scaled = 2 * low_high[:, 1:] * x  # a larger kappa makes a larger matrix: an upper bound
+    # a larger kappa makes a larger matrix: an upper bound; a float of a number is nearer to it than 2 UNIT
+    above = np.array([float(kappa.upper()) for kappa in kappas]) * (1 + 8 * UNIT)
+    scaled = 2 * above[:, None] * x
     size = float(np.abs(scaled).max(initial=0.0))
     gram = product(Enclosed(x.T.copy(), 0.0), Enclosed(scaled, enlarged(4 * UNIT * size)))
     precision = ends(lam)[1]

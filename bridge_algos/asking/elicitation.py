@@ -29,6 +29,7 @@ from scipy.special import expit
 from bridge_algos.asking.answers import Answers
 from bridge_algos.asking.candidates import distinct_rows
 from bridge_algos.asking.certificate import Certificate
+from bridge_algos.asking.consistency import Consistency
 from bridge_algos.asking.dual import LikelihoodSet, search
 from bridge_algos.asking.evidence import Evidence
 from bridge_algos.asking.gap import Gap, Rivals
@@ -128,6 +129,7 @@ class Elicitation:
         _, groups = np.unique(self.pool, axis=0, return_inverse=True)
         self._groups = groups.ravel()
         self.test = ModelTest(self.pool, self._groups, weights.radius)
+        self.check = Consistency(self.pool, self._groups, PRIOR_SCALES[1] * unit, fresh)
         self._owners = np.full(len(self.pool), -1) if owners is None else np.asarray(owners)
         aim = None if self.reference is None or not self.goal.rho else (self.reference, self.goal.rho)
         spread = 0.0 if aim is None else float(np.linalg.norm(self.features - aim[0], axis=1).max())
@@ -150,16 +152,21 @@ class Elicitation:
         return self.contradiction is not None
 
     @property
-    def certified(self) -> bool:
-        """Whether the goal is reached."""
+    def reached(self) -> bool:
+        """Whether the answers so far show the goal, if they follow the model."""
         return not self.contradicted and self.gap.value <= self.goal.nats
+
+    @property
+    def certified(self) -> bool:
+        """Whether the goal is reached, and check questions bear the model out."""
+        return self.reached and (self.check.passed or not self.answers.total)
 
     @property
     def done(self) -> bool:
         """Whether there is nothing more to ask: the goal is reached, the answers contradict the model, or what is left
         is the error of features, which only more rollouts lower.
         """
-        return self.contradicted or not self.gap.open
+        return self.contradicted or (self.certified if self.reached else not self.gap.open)
 
     def ask(self) -> Question:
         """The next question; the same one until it is told."""
@@ -168,8 +175,11 @@ class Elicitation:
         if self._pending is None:
             if self.done and not self.certified:
                 raise InputError("the errors of the features alone exceed the goal; give features from more rollouts.")
-            if self.gap.critical is None:
+            if self.certified or self.gap.critical is None:
                 raise InputError("nothing is left to ask: every candidate is certified.")
+            if self.reached and self.check.question is not None:
+                self._pending = self._question(*self.check.question)
+                return self._pending
             asked = None if self.fresh else self._asked
             state = State(self.pool, self._owners, *self._fit(), self.gap.critical, self.recommended, self._groups)
             first, second = choose(self.asking, state, self.rng, asked)
@@ -191,11 +201,14 @@ class Elicitation:
         self._pending = None
         self.history.append((question.first, question.second, None if answer is None else int(answer)))
         self._asked.add((min(question.first, question.second), max(question.first, question.second)))
+        self.check.tell(question.first, question.second, answer)
         if answer is None:
+            self.check.prepare(self.reached)
             return
         self.test.tell(question.first, question.second, int(answer))
         self.evidence.tell(*self.answers.add(question.difference, int(answer)))
         self._look()
+        self.check.prepare(self.reached)
 
     @property
     def tight_gap(self) -> float:

@@ -30,6 +30,9 @@ LAPSES = 0.1
 VARIANCE = 9.0
 """Prior variance that interactions give to the log odds of a typical question."""
 
+SHARES = (0.5, 0.1, 0.1, 0.1, 0.1, 0.1)
+"""Of the stake outside of the model: the tables, lapses, larger weights, cycles, bends, and both."""
+
 ROUNDING = 1e-9
 """Subtracted from the log forecast of each answer, far more than floats lose."""
 
@@ -56,12 +59,12 @@ class ModelTest:
         self._cycles = Logistic(np.concatenate([own / 4, both[: len(cycles)]]))
         self._bends = Logistic(np.concatenate([own / 4, both[len(cycles) :]]))
         self._both = Logistic(np.concatenate([own / 4, both / 2]))
-        self._logs = np.zeros(6)
+        self._logs = np.log(SHARES)
 
     @property
     def outside(self) -> float:
-        """The log forecast of all answers by the forecasters outside of the model, mixed equally."""
-        return float(np.logaddexp.reduce(self._logs) - log(len(self._logs)))
+        """The log forecast of all answers by the forecasters outside of the model, mixed by SHARES."""
+        return float(np.logaddexp.reduce(self._logs))
 
     def tell(self, first: int, second: int, answer: int) -> None:
         """Let every forecaster forecast the answer to the question (first, second), then learn it."""

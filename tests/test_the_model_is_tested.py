@@ -13,6 +13,8 @@ from scipy.special import expit
 from scipy.stats import binom
 
 from bridge_algos.asking.answers import Answers
+from bridge_algos.asking.consistency import LAG, LEAD, LEAD_AGAIN, Consistency
+from bridge_algos.asking.dual import Certificates, LikelihoodSet, dual_bounds
 from bridge_algos.asking.elicitation import Ball, Elicitation
 from bridge_algos.asking.evidence import Evidence
 from bridge_algos.asking.forecasters import Interactions, Logistic, Tables
@@ -20,9 +22,11 @@ from bridge_algos.asking.model_test import DELTA_MODEL, ModelTest
 from bridge_algos.asking.orient import orient
 from bridge_algos.asking.region import highest, is_empty, likelihood_set
 from bridge_algos.asking.skips import skip_warning
+from bridge_algos.asking.vacuous import best_somewhere
 from bridge_algos.asking.wrong_teachers import TEACHERS, wrong_teacher
 from bridge_algos.envs.registry import make_mdp
 from bridge_theory.errors import InputError
+from experiments.wrong_teachers import SHAPES, three_items
 
 THRESHOLD = log(1 / DELTA_MODEL)
 
@@ -97,6 +101,133 @@ def test_a_contradiction_survives_saving() -> None:
     resumed.restore(session.record())
     assert resumed.contradicted
     assert resumed.certificate.sentence == session.certificate.sentence
+
+
+@pytest.mark.parametrize("shape", ["corners", "triangle", "nearly on a line"])
+def test_a_cycle_is_refuted_before_it_is_certified(shape: str) -> None:
+    """Two of three pairs decide; check questions ask about the third one."""
+    ends = [three_items(SHAPES[shape], seed) for seed in range(8)]
+    assert sum(word == "certified" for word, _ in ends) <= 1  # in the campaign 2 of 100
+    assert sum(word == "refuted" and asked <= 50 for word, asked in ends) >= 6
+
+
+def test_check_questions_cost_an_honest_session_few_answers() -> None:
+    """Answers that follow a sure prediction pass after LEAD of them; a session without answers needs none."""
+    for seed in range(6):
+        rng = np.random.default_rng(seed)
+        features, truth = rng.normal(size=(6, 3)), np.array([1.5, -1.0, 0.5])
+        session = Elicitation(features, Ball(4.0), 2 * rng.normal(size=(80, 3)), 0.05, "1nats", rng)
+        extra = 0
+        while not session.done:
+            extra += session.reached
+            question = session.ask()
+            session.tell(question, int(rng.random() < expit(question.difference @ truth)))
+        assert session.certified
+        assert LEAD <= extra <= 2 * LEAD
+        assert sum(session.certificate.checks) == extra
+        assert f"Of {extra} answers to check questions" in session.certificate.sentence
+    alone = Elicitation([[1.0]], Ball(1.0), [[0.0], [1.0]], 0.05, "1nats", rng)
+    assert alone.certified
+    assert alone.certificate.answers == 0
+
+
+def test_a_session_that_waits_for_check_questions_says_so_and_goes_on_where_it_stopped() -> None:
+    def start() -> Elicitation:
+        rng = np.random.default_rng(2)
+        return Elicitation(rng.normal(size=(6, 3)), Ball(4.0), 2 * rng.normal(size=(80, 3)), 0.05, "1nats", rng)
+
+    session, truth, teacher = start(), np.array([1.5, -1.0, 0.5]), np.random.default_rng(3)
+    while not session.reached:
+        question = session.ask()
+        session.tell(question, int(teacher.random() < expit(question.difference @ truth)))
+    assert not session.certified
+    assert not session.done
+    assert "whether they follow the model is not checked enough" in session.certificate.sentence
+    asked = {tuple(sorted(row[:2])) for row in session.history}
+    resumed = start()
+    resumed.restore(session.record())
+    again = resumed.ask()
+    assert (again.first, again.second) == (session.ask().first, session.ask().second)
+    assert tuple(sorted((again.first, again.second))) not in asked  # a person is never asked a pair twice
+    resumed.tell(again, None)
+    assert resumed.ask().number == again.number + 1
+    assert (resumed.ask().first, resumed.ask().second) != (again.first, again.second)
+
+
+def test_predictions_that_fail_are_made_anew_and_need_a_larger_lead() -> None:
+    pool = np.array([[0.0, 0.0], [1.0, 0.0], [0.3, 1.0]])
+    check = Consistency(pool, np.arange(3), 0.2, fresh=True)
+    for _ in range(8):
+        check.tell(0, 1, 1)
+        check.tell(2, 0, 1)
+    check.prepare(reached=True)
+    assert check.question in ((1, 2), (2, 1))  # the pair that nothing was asked about
+    for _ in range(LAG):
+        assert not check.passed
+        check.tell(1, 2, 1)  # 1 is preferred to 2, though 2 to 0 and 0 to 1
+        check.prepare(reached=True)
+    assert (check.contrary, check.lead, check.needed) == (LAG, 0, LEAD_AGAIN)
+    assert check.question is not None
+    check.prepare(reached=False)
+    assert (check.contrary, check.needed) == (0, LEAD)
+
+
+def test_check_questions_end_when_a_person_has_answered_every_pair() -> None:
+    pool = np.array([[0.0], [1.0], [2.0]])
+    check = Consistency(pool, np.arange(3), 0.2, fresh=False)
+    check.tell(1, 0, 1)
+    check.prepare(reached=True)
+    while check.question is not None:
+        assert not check.passed
+        check.tell(*check.question, None)
+        check.prepare(reached=True)
+    assert check.passed
+
+
+def _nobody(number: int = 400) -> Elicitation:
+    """Two candidates, each with a rival that is better by what the answers say."""
+    features = np.array([[0.0, 0.0], [1.0, 0.0]])
+
+    def rivals(index: np.ndarray) -> np.ndarray:
+        return features[index][:, None] + np.array([[[0.0, 1.0]]])
+
+    pool = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 2.0], [1.0, 2.0]])
+    rng = np.random.default_rng(0)
+    session = Elicitation(features, Ball(2.0), pool, 0.05, "0.2nats", rng, rivals=rivals, fresh=True)
+    for _ in range(number):
+        if session.done:
+            break
+        session._pending = session._question(*((2, 0) if rng.random() < 0.5 else (1, 0)))
+        session.tell(session._pending, int(rng.random() < expit(session._pending.difference @ [0.5, 1.5])))
+    return session
+
+
+def test_a_certificate_about_nobody_is_a_contradiction() -> None:
+    """Trap 10 with cones: where no candidate can be best, every bound is a maximum over nothing."""
+    session = _nobody()
+    assert session.contradicted
+    assert not session.certified
+    assert "is any of the candidates the best policy" in session.certificate.sentence
+    assert session.gap.value <= session.goal.nats  # what would have been certified
+    assert session._region is not None
+    assert best_somewhere(session.features, session.gap.rivals, session._region) is False
+    assert best_somewhere(session.features, None, session._region) is True  # without those rivals somebody is best
+
+
+def test_nobody_is_declared_best_or_not_by_a_search_that_fails(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Trap 9: a search that ends anywhere leaves the question open, and then nothing is certified."""
+    session = _nobody()
+    assert session._region is not None
+
+    def nothing(region: LikelihoodSet, v: np.ndarray, rows: np.ndarray, tolerance: float) -> Certificates:
+        size, k = rows.shape[:2]
+        w = np.repeat(region.interior[None], size, axis=0)
+        c, mu = np.zeros(size), np.zeros((size, k))
+        bound, rest = dual_bounds(region, v, rows, w, c, mu)
+        return Certificates(bound, bound, w, c, mu, rest, w)
+
+    monkeypatch.setattr("bridge_algos.asking.vacuous.search", nothing)
+    assert best_somewhere(session.features, session.gap.rivals, session._region) is None
 
 
 def test_near_emptiness_is_shown_before_a_cycle_is_refuted() -> None:
@@ -324,6 +455,6 @@ def test_wrong_teachers_are_studied() -> None:
     assert verdicts.wrong == 0
     assert "was refuted in 0 of" in verdicts.sentence
     assert "'mistakes, 10 %'" in dataclasses.replace(verdicts, teacher="mistakes, 10 %").sentence
-    assert len(TEACHERS) == 11
+    assert len(TEACHERS) == 12
     with pytest.raises(InputError, match="the teacher must be one of"):
         wrong_teacher("nobody", make_mdp("starmdp"), 1)

@@ -31,6 +31,9 @@ class Certificate:
         evidence: nats that the model test holds against the model; it is refuted at ``log(1 / delta_M)``.
         contradiction: in words, when the answers contradict the model; nothing is certified then.
         warnings: sentences on what looks wrong.
+        reached: whether the answers show the goal, if they follow the model; without ``certified``, a certificate waits
+            for check questions.
+        checks: answers to check questions that agreed with the fit, and that did not.
     """
 
     certified: bool
@@ -48,6 +51,8 @@ class Certificate:
     evidence: float = -inf
     contradiction: str | None = None
     warnings: tuple[str, ...] = ()
+    reached: bool = False
+    checks: tuple[int, int] = (0, 0)
 
     @property
     def sentence(self) -> str:
@@ -57,6 +62,11 @@ class Certificate:
         beside = self._beside
         if self.contradiction is not None:
             return f"Not certified after {count}, {among}: {self.contradiction}.{beside}"
+        if self.reached and not self.certified:
+            return (
+                f"Not certified after {count}, {among}: the answers show that {self.goal}; whether they follow the "
+                f"model is not checked enough.{beside}"
+            )
         if not self.certified:
             return (
                 f"Not certified after {count}, {among}: the gap is at most {self.gap:.4g} nats; the goal is that "
@@ -78,4 +88,9 @@ class Certificate:
             f" The best weights lie {self.room:.3g} nats above the threshold (none are left at 0); the model test "
             f"holds {self.evidence:.2g} nats against the model (refuted at {log(1 / DELTA_MODEL):.2g})."
         )
+        if sum(self.checks):
+            fit += (
+                f" Of {sum(self.checks)} answers to check questions, which the other answers predict most surely, "
+                f"{self.checks[0]} agreed."
+            )
         return fit + "".join(f" Warning: {warning}." for warning in self.warnings)

@@ -57,7 +57,10 @@ class Consistency:
         self._kinds, self._groups, self._precision, self._fresh = pool[self._items], groups, precision, fresh
         self._won: dict[tuple[int, int], int] = {}
         self._skipped: set[tuple[int, int]] = set()
-        self._restart()
+        self._odds: FloatArray | None = None
+        self.question: tuple[int, int] | None = None
+        self.agreed = self.contrary = self.lead = 0
+        self.needed = LEAD
 
     @property
     def passed(self) -> bool:
@@ -98,9 +101,7 @@ class Consistency:
 
     def _restart(self) -> None:
         self.agreed = self.contrary = self.lead = 0
-        self.needed = LEAD
-        self.question: tuple[int, int] | None = None
-        self._odds: FloatArray | None = None
+        self.needed, self.question, self._odds = LEAD, None, None
 
     def _counts(self) -> FloatArray:
         """(G, G) how often the first was preferred to the second."""

@@ -34,10 +34,11 @@ from bridge_algos.asking.dual import LikelihoodSet, search
 from bridge_algos.asking.evidence import Evidence
 from bridge_algos.asking.gap import Gap, Rivals
 from bridge_algos.asking.goal import goal
-from bridge_algos.asking.model_test import ModelTest, empty_in_words, refuted_in_words
+from bridge_algos.asking.model_test import ModelTest, empty_in_words, nobody_in_words, refuted_in_words
 from bridge_algos.asking.region import highest, is_empty, likelihood_set, needs_weight_bound
 from bridge_algos.asking.rules import State, check_rule, choose
 from bridge_algos.asking.skips import skip_warning
+from bridge_algos.asking.vacuous import best_somewhere
 from bridge_algos.mdp import FloatArray
 from bridge_theory.errors import InputError
 
@@ -126,6 +127,7 @@ class Elicitation:
         self.evidence = Evidence([scale * unit for scale in PRIOR_SCALES], dimension)
         self._center = np.zeros(dimension)
         self._region: LikelihoodSet | None = None
+        self._somebody = True  # whether a candidate is known to be best under weights that are left
         _, groups = np.unique(self.pool, axis=0, return_inverse=True)
         self._groups = groups.ravel()
         self.test = ModelTest(self.pool, self._groups, weights.radius)
@@ -154,7 +156,7 @@ class Elicitation:
     @property
     def reached(self) -> bool:
         """Whether the answers so far show the goal, if they follow the model."""
-        return not self.contradicted and self.gap.value <= self.goal.nats
+        return not self.contradicted and self.gap.value <= self.goal.nats and self._somebody
 
     @property
     def certified(self) -> bool:
@@ -166,7 +168,8 @@ class Elicitation:
         """Whether there is nothing more to ask: the goal is reached, the answers contradict the model, or what is left
         is the error of features, which only more rollouts lower.
         """
-        return self.contradicted or (self.certified if self.reached else not self.gap.open)
+        low = self.gap.value <= self.goal.nats
+        return self.contradicted or self.certified or not (low or self.gap.open)
 
     def ask(self) -> Question:
         """The next question; the same one until it is told."""
@@ -175,9 +178,9 @@ class Elicitation:
         if self._pending is None:
             if self.done and not self.certified:
                 raise InputError("the errors of the features alone exceed the goal; give features from more rollouts.")
-            if self.certified or self.gap.critical is None:
+            if self.gap.critical is None:
                 raise InputError("nothing is left to ask: every candidate is certified.")
-            if self.reached and self.check.question is not None:
+            if self.reached and not self.certified and self.check.question is not None:
                 self._pending = self._question(*self.check.question)
                 return self._pending
             asked = None if self.fresh else self._asked
@@ -249,6 +252,8 @@ class Elicitation:
             evidence=self.test.evidence(self.evidence.value, best),
             contradiction=self.contradiction,
             warnings=self._warnings(),
+            reached=self.reached,
+            checks=(self.check.agreed, self.check.contrary),
         )
 
     def record(self) -> dict[str, Any]:
@@ -311,16 +316,22 @@ class Elicitation:
         if self.contradicted:
             return  # nothing is certified from here on
         region = likelihood_set(self.answers, self._level, self.weight_bound, self._center)
+        self._somebody = region is not None
         if region is None:
             if is_empty(self.answers, self._level, self.weight_bound, self._center):
                 self.contradiction = empty_in_words(self.weight_bound, self.delta)
-            return  # without a point inside nothing new can be certified; what was certified stays
+            return  # without a point inside nothing can be certified
         self._center, self._region = region.interior, region
         utilities = self.features @ self.evidence.mean
         best = int(utilities.argmax())
         if utilities[best] > utilities[self.recommended]:
             self.gap.recommend(best, region)
         self.gap.tighten(region)
+        if self.answers.total and self.gap.value <= self.goal.nats:
+            found = best_somewhere(self.features, self.gap.rivals, region)
+            self._somebody = bool(found)
+            if found is False:
+                self.contradiction = nobody_in_words(self.weight_bound, self.delta)
 
     @property
     def _level(self) -> float:

@@ -122,3 +122,12 @@ def empty_in_words(weight_bound: float, delta: float) -> str:
         f"these answers contradict the model or W: no weights with ||w|| <= {weight_bound:.4g} explain them as well as "
         f"the teacher's would; a teacher who follows the model is told so with probability at most {delta:g}"
     )
+
+
+def nobody_in_words(weight_bound: float, delta: float) -> str:
+    """What it means that no candidate can be best."""
+    return (
+        f"these answers contradict the model, W or the demonstrations: under no weights with ||w|| <= "
+        f"{weight_bound:.4g} that explain them is any of the candidates the best policy; this happens with probability "
+        f"at most {delta:g} where a candidate is"
+    )

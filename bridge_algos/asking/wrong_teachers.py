@@ -13,7 +13,7 @@ from math import inf
 import numpy as np
 
 from bridge_algos.asking.elicitation import Elicitation
-from bridge_algos.asking.tabular import Problem, build_problem
+from bridge_algos.asking.tabular import POOL, Problem, build_problem
 from bridge_algos.asking.utility import Utility, simulated_utility, step_features
 from bridge_algos.mdp import FloatArray, IntArray, TabularMDP
 from bridge_algos.occupancy import state_action_occupancies
@@ -50,6 +50,14 @@ def _coin_when_equal(within: float) -> Oracle:
     return answers
 
 
+def _cycle_of_grades(first: Trajectories, second: Trajectories, rng: np.random.Generator) -> FloatArray:
+    """Grades are utilities in whole nats modulo 3; the next one is preferred with probability .9, equals by a coin."""
+    assert first.rewards is not None and second.rewards is not None
+    a, b = (np.floor(rewards.sum(axis=1)).astype(np.int64) for rewards in (first.rewards, second.rewards))
+    chance = np.array([0.5, 0.9, 0.1])[(a - b) % 3]
+    return np.asarray(rng.random(len(chance)) < chance, dtype=np.float64)
+
+
 def _best_step(utilities: FloatArray) -> FloatArray:
     """All steps but the best one count nothing, and the best one as much as a whole trajectory of such steps."""
     peak = np.zeros_like(utilities)
@@ -68,6 +76,7 @@ TEACHERS: dict[str, WrongTeacher] = {
     "equal within 1 nat, left out": WrongTeacher(ReturnOracle(rationality=1.0, equal_within=1.0)),
     "equal within 1 nat, by a coin": WrongTeacher(_coin_when_equal(1.0)),
     "embedding blind to actions": WrongTeacher(ReturnOracle(rationality=1.0), embedding="state_counts"),
+    "prefers grades in a cycle": WrongTeacher(_cycle_of_grades),
     "judges the best step only": WrongTeacher(ReturnOracle(rationality=1.0), rewards=_best_step),
 }
 """The flaws that are studied, by name."""
@@ -110,6 +119,7 @@ def wrong_teacher(
     n_demonstrations: int = 1,
     until: str = "10%",
     max_questions: int = 300,
+    pool: int = POOL,
 ) -> Verdicts:
     """Sessions, a seed each, with a teacher who does not follow the model.
 
@@ -117,7 +127,8 @@ def wrong_teacher(
         name: one of TEACHERS.
         mdp: the environment.
         sessions: how many; those with one candidate have nothing to ask and do not count.
-        utility_range, n_demonstrations, until, max_questions: as for ``bridge-rl ask``.
+        utility_range, n_demonstrations, until, max_questions, pool: as of
+            :class:`bridge_algos.asking.config.AskConfig`.
 
     Raises:
         InputError: for another name.
@@ -130,7 +141,7 @@ def wrong_teacher(
     for seed in range(sessions):
         rng = np.random.default_rng(seed)
         demonstrations = sample_trajectories(mdp, truth.best.policy, n_demonstrations, rng)
-        problem = build_problem(mdp, asked, n_demonstrations, rng, demonstrations)
+        problem = build_problem(mdp, asked, n_demonstrations, rng, demonstrations, pool=pool)
         if len(problem.candidates.policies) == 1:
             continue
         session = problem.session(until, 0.05, "pool", rng)

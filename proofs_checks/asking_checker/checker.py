@@ -24,6 +24,7 @@ from proofs_checks.asking_checker.facts import Claims, Facts, claims, facts
 from proofs_checks.asking_checker.gap import Gap
 from proofs_checks.asking_checker.region import is_empty, is_inside, proved_log_likelihood, region_at
 from proofs_checks.asking_checker.slopes import tangents
+from proofs_checks.asking_checker.vacuous import best_somewhere
 from proofs_checks.asking_checker.verdict import Verdict
 from proofs_checks.verify.enclosed import Enclosed, FloatArray
 from proofs_checks.verify.features import IntArray
@@ -80,6 +81,13 @@ def _verdict(seed: int, given: Facts, claimed: Claims) -> Verdict:
         return Verdict(verdict="not certified", reasons=("The likelihood set may be empty.",), **shared)
     found = certified_gap(given, region, claimed)
     reasons = _failures(found.value, fixed.target, claimed)
+    if not reasons:
+        inside = partial(is_inside, log, level=least, weight_bound=fixed.weight_bound)
+        somebody = best_somewhere(given.candidates, found.deviations, region, found.tangents, inside)
+        if somebody is False:
+            nobody = "No candidate is best under weights that agree with these answers; nothing is certified."
+            return Verdict(verdict="contradicted", reasons=(nobody,), **shared)
+        reasons = () if somebody else ("Whether a candidate can be best at all is not known.",)
     return Verdict(verdict="not certified" if reasons else "certified", reasons=reasons, gap=found.value, **shared)
 
 

@@ -52,8 +52,8 @@ def _coin_when_equal(within: float) -> Oracle:
 
 def _cycle_of_grades(first: Trajectories, second: Trajectories, rng: np.random.Generator) -> FloatArray:
     """Grades are utilities in whole nats modulo 3; the next one is preferred with probability .9, equals by a coin."""
-    assert first.rewards is not None and second.rewards is not None
-    a, b = (np.floor(rewards.sum(axis=1)).astype(np.int64) for rewards in (first.rewards, second.rewards))
+    shown = [np.zeros((1, 1)) if part.rewards is None else part.rewards for part in (first, second)]
+    a, b = (np.floor(rewards.sum(axis=1)).astype(np.int64) for rewards in shown)
     chance = np.array([0.5, 0.9, 0.1])[(a - b) % 3]
     return np.asarray(rng.random(len(chance)) < chance, dtype=np.float64)
 

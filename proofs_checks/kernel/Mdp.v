@@ -94,10 +94,6 @@ Proof. induction t as [|[s a] t IH]; simpl; [lra|]. apply Rmult_le_pos; auto. ap
 (* Expectation of a function of the trajectory. *)
 Definition mean (E : environment) (pi : policy) (H : nat) (f : trajectory -> R) : R := expect (run E pi) H f.
 
-(* The probability of pair (s, a) at step t, the first step being 0. *)
-Definition occupancy (E : environment) (pi : policy) (t : nat) (s : St) (a : Ac) : R :=
-  Pr (run E pi) (S t) (fun h => match h with [] => false | m :: _ => eqb (m : pairs St Ac) (s, a) end).
-
 (* Does a trajectory meet a state of a set? *)
 Definition visits (D : St -> bool) (t : trajectory) : bool := existsb (fun m => D (fst m)) t.
 

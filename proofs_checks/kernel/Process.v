@@ -29,6 +29,14 @@ Fixpoint histories {X : Type} (points : list X) (n : nat) : list (list X) :=
   | S k => flat_map (fun h => map (fun x => x :: h) points) (histories points k)
   end.
 
+Lemma histories_length_list {X : Type} (points : list X) n h : In h (histories points n) -> length h = n.
+Proof.
+  revert h. induction n as [|n IH]; simpl; intros h I.
+  - destruct I as [<-|[]]; reflexivity.
+  - apply in_flat_map in I. destruct I as [p [I J]]. apply in_map_iff in J. destruct J as [x [<- _]].
+    simpl. rewrite (IH p I). reflexivity.
+Qed.
+
 Lemma always_now {X} (A : list X -> Prop) h : always A h -> A h.
 Proof. destruct h; simpl; tauto. Qed.
 
@@ -57,12 +65,7 @@ Lemma prob_nonneg h : 0 <= prob h.
 Proof. induction h; simpl; [lra|]. apply Rmult_le_pos; auto. apply step_nonneg. Qed.
 
 Lemma histories_length n h : In h (histories (outcomes P) n) -> length h = n.
-Proof.
-  revert h. induction n as [|n IH]; simpl; intros h I.
-  - destruct I as [<-|[]]; reflexivity.
-  - apply in_flat_map in I. destruct I as [p [I J]]. apply in_map_iff in J. destruct J as [x [<- _]].
-    simpl. rewrite (IH p I). reflexivity.
-Qed.
+Proof. apply histories_length_list. Qed.
 
 Lemma histories_outcomes n h x : In h (histories (outcomes P) n) -> In x h -> In x (outcomes P).
 Proof.
@@ -168,7 +171,7 @@ Proof.
 Qed.
 
 (* Markov's inequality. *)
-Lemma markov n c f :
+Lemma markov_inequality n c f :
   (forall h, In h (histories (outcomes P) n) -> 0 < prob h -> 0 <= f h) ->
   c * Pr n (fun h => if Rle_dec c (f h) then true else false) <= expect n f.
 Proof.

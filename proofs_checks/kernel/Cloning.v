@@ -47,6 +47,7 @@ Proof.
 Qed.
 
 (* Two deterministic policies in one environment: distance and total variation are the mass of disagreement. *)
+(* label: audit T7, R8(a) *)
 Theorem deterministic_distance E H (f g : St -> Ac) :
   hellinger2 (trajectories H) (trajectory_law E (deterministic f)) (trajectory_law E (deterministic g))
   = hit E (deterministic g) H (differ f g)
@@ -165,6 +166,7 @@ Proof.
 Qed.
 
 (* T7: the clone errs by the mass of the trajectories that meet a state without data, at most. *)
+(* label: audit T7 *)
 Theorem clone_error_is_missing_mass D f : possible E truth D -> is_clone D f ->
   policy_error E H truth (deterministic f) = hit E truth H (differ f expert)
   /\ policy_error E H truth (deterministic f) <= hit E truth H (unvisited D).
@@ -186,12 +188,14 @@ Qed.
 Definition member (B : list St) (s : St) : bool := if in_dec (same St) s B then true else false.
 
 (* T7(b), the tail: a set of states of mass above r stays without data with probability (1 - r)^n at most. *)
+(* label: audit T7(b) *)
 Theorem missing_mass_tail r : 0 <= r <= 1 ->
   with_probability demos (1 - (2 ^ size St - 1) * (1 - r) ^ n) n (fun D => hit E truth H (unvisited D) <= r).
 Proof.
   intros Pr0.
   set (bad := fun (B : list St) (D : data) =>
-    (if Rle_dec (hit E truth H (member B)) r then false else true) && forallb (fun t => negb (visits (member B) t)) D).
+    (if Rle_dec (hit E truth H (member B)) r then false else true) && forallb (fun t => negb (visits
+      (member B) t)) D).
   apply with_probability_not with (b := fun D => existsb (fun B => bad B D) (nonempty_subsets (elements St))).
   - eapply Rle_trans; [apply Pr_union|].
     apply Rle_trans with (sum (fun _ => (1 - r) ^ n) (nonempty_subsets (elements St))).
@@ -222,6 +226,7 @@ Proof.
 Qed.
 
 (* T7(b): the logarithmic form; the number of actions does not enter. *)
+(* label: audit T7(b) *)
 Theorem missing_mass_bound delta : (0 < n)%nat -> 0 < delta <= 1 ->
   with_probability demos (1 - delta) n
     (fun D => hit E truth H (unvisited D) <= (INR (size St) * ln 2 + ln (/ delta)) / INR n).
@@ -250,10 +255,12 @@ Proof.
       apply exp_ln. lra. }
     assert (0 <= (1 - r) ^ n) by (apply pow_le; lra).
     assert (0 < 2 ^ size St) by (apply pow_lt; lra). nra.
-  - apply with_probability_weaken with 1; [lra|]. apply surely. intros D _ _. pose proof (hit_range (unvisited D)). lra.
+  - apply with_probability_weaken with 1;
+    [lra|]. apply surely. intros D _ _. pose proof (hit_range (unvisited D)). lra.
 Qed.
 
 (* T7(b): the exact tail, inverted. *)
+(* label: audit T7(b) *)
 Theorem missing_mass_sharp delta : (0 < n)%nat -> 0 < delta < 1 -> (0 < size St)%nat ->
   with_probability demos (1 - delta) n
     (fun D => hit E truth H (unvisited D) <= 1 - Rpower (delta / (2 ^ size St - 1)) (/ INR n)).
@@ -278,6 +285,7 @@ Proof.
 Qed.
 
 (* The same for the error of every clone. *)
+(* label: audit T7(b) *)
 Theorem clone_error_bound clone delta : clones clone -> (0 < n)%nat -> 0 < delta <= 1 ->
   with_probability demos (1 - delta) n (fun D =>
     policy_error E H truth (deterministic (clone D)) <= (INR (size St) * ln 2 + ln (/ delta)) / INR n).
@@ -290,7 +298,8 @@ Qed.
 (* T7(a): the expected error, from the probabilities q of visiting each state. *)
 Definition reach (s : St) : R := hit E truth H (fun s' => eqb s' s).
 
-Lemma one_state_maximum q : (0 < n)%nat -> 0 <= q <= 1 -> q * (1 - q) ^ n <= / (INR n + 1) * (INR n / (INR n + 1)) ^ n.
+Lemma one_state_maximum q : (0 < n)%nat -> 0 <= q <= 1 ->
+  q * (1 - q) ^ n <= / (INR n + 1) * (INR n / (INR n + 1)) ^ n.
 Proof.
   intros Pn Pq. pose proof (lt_0_INR n Pn) as Pn'.
   set (y := (INR n + 1) * q - 1).
@@ -318,6 +327,7 @@ Proof.
   apply Rmult_le_compat_r; auto. apply Rmult_le_pos; lra.
 Qed.
 
+(* label: audit T7(a) *)
 Theorem expected_missing_mass : (0 < n)%nat ->
   expect demos n (fun D => hit E truth H (unvisited D)) <= sum (fun s => reach s * (1 - reach s) ^ n) (elements St)
   /\ sum (fun s => reach s * (1 - reach s) ^ n) (elements St)
@@ -353,6 +363,7 @@ Proof.
 Qed.
 
 (* T7(e): where every state that the expert reaches has probability gamma at least, the clone is the expert there. *)
+(* label: audit T7(e) *)
 Theorem exact_recovery clone gamma : clones clone -> 0 < gamma <= 1 ->
   (forall s, 0 < reach s -> gamma <= reach s) ->
   with_probability demos (1 - INR (size St) * (1 - gamma) ^ n) n (fun D =>
@@ -395,6 +406,7 @@ Variable default : Ac.
 Definition first_action (D : data) (s : St) : Ac :=
   match find (fun m => eqb (fst m) s) (concat D) with Some m => snd m | None => default end.
 
+(* label: audit T7, discharge for the package's clone *)
 Theorem first_action_clones : clones first_action.
 Proof.
   intros D P g. rewrite !likelihood_is. replace (forallb (follows (first_action D)) D) with true.

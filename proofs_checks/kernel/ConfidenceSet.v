@@ -241,6 +241,7 @@ Lemma factors_total (E : environment St Ac) pi :
   sum (fun t => dynamics_factor E t * policy_factor pi t) (trajectories H) = 1.
 Proof. rewrite <- (trajectory_law_total E pi H). apply sum_ext. intros. rewrite factorisation. reflexivity. Qed.
 
+(* label: audit T9 *)
 Theorem confidence_set (expert clone : policy St Ac) :
   distance_to_clone expert clone <= sqrt (policy_error expert clone) + 2 * sqrt (transition_error expert).
 Proof.
@@ -255,6 +256,7 @@ Lemma transition_error_nonneg expert : 0 <= transition_error expert.
 Proof. apply hellinger2_range; apply trajectory_law_nonneg || apply trajectory_law_total. Qed.
 
 (* The paper's lemma for all policies: its factor of the second error is at least 2. *)
+(* label: lemma:confidence_set_construction_main *)
 Theorem confidence_set_stated (expert clone : policy St Ac) (r1 r2 horizon gamma : R) :
   policy_error expert clone <= r1 -> transition_error expert <= r2 -> 1 <= horizon -> 0 < gamma ->
   distance_to_clone expert clone <= sqrt r1 + sqrt r2 * (1 + sqrt (horizon * (1 + 2 * sqrt r1 / gamma))).
@@ -275,6 +277,7 @@ Lemma deterministic_bit (f : St -> Ac) t :
   policy_factor (deterministic f) t = 0 \/ policy_factor (deterministic f) t = 1.
 Proof. rewrite deterministic_factor. destruct (follows f t); simpl; auto. Qed.
 
+(* label: audit T9 *)
 Theorem confidence_set_deterministic (expert clone : St -> Ac) :
   distance_to_clone (deterministic expert) (deterministic clone)
   <= sqrt (policy_error (deterministic expert) (deterministic clone))

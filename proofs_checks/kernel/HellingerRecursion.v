@@ -4,10 +4,6 @@ Require Import Bridge.Sums Bridge.Process Bridge.Distances Bridge.Mdp Bridge.Sma
 Import ListNotations.
 Open Scope R_scope.
 
-Lemma sum_pairs {St Ac : finite} (f : pairs St Ac -> R) :
-  sum f (elements (pairs St Ac)) = sum (fun s => sum (fun a => f (s, a)) (elements Ac)) (elements St).
-Proof. apply (sum_list_prod f (elements St) (elements Ac)). Qed.
-
 Section Recursion.
 Context {St Ac : finite} (start : law St) (P1 P2 : St -> Ac -> law St) (pi1 pi2 : St -> law Ac) (H : nat).
 
@@ -49,6 +45,7 @@ Proof.
       rewrite <- sum_scal_r. apply sum_ext. intros h _. rewrite sum_scal. reflexivity.
 Qed.
 
+(* label: paper: recursion for the overlap (K1 to K4) *)
 Theorem hellinger_recursion : hellinger2 (arrivals H) law1 law2 = 1 - sum (overlap_at H) (elements St).
 Proof.
   unfold hellinger2, overlap, arrivals. f_equal. rewrite sum_list_prod, sum_swap. apply sum_ext. intros s _.
@@ -56,6 +53,7 @@ Proof.
 Qed.
 
 (* Without the last arrival, the last factor is the agreement of the two policies. *)
+(* label: paper: recursion for the overlap (K4, main text's horizon) *)
 Theorem hellinger_recursion_main_text :
   hellinger2 (trajectories (S H)) (trajectory_law (markov start P1) (stationary pi1))
     (trajectory_law (markov start P2) (stationary pi2))
@@ -75,19 +73,23 @@ Proof.
 Qed.
 
 Lemma forward_and_backward t k :
-  sum (fun s => overlap_at t s * matrix_power_one (S k) s) (elements St) = sum (fun s => overlap_at (S t) s * matrix_power_one k s) (elements St).
+  sum (fun s => overlap_at t s * matrix_power_one (S k) s) (elements St) = sum (fun s => overlap_at
+    (S t) s * matrix_power_one k s) (elements St).
 Proof.
   cbn [overlap_at matrix_power_one].
-  transitivity (sum (fun s => sum (fun s' => overlap_at t s * overlap_matrix s s' * matrix_power_one k s') (elements St)) (elements St)).
+  transitivity (sum (fun s => sum (fun s' => overlap_at t s * overlap_matrix s s' * matrix_power_one k s')
+    (elements St)) (elements St)).
   - apply sum_ext. intros s _. rewrite <- sum_scal. apply sum_ext. intros. ring.
   - rewrite sum_swap. apply sum_ext. intros s' _. rewrite <- sum_scal_r. reflexivity.
 Qed.
 
+(* label: audit K5 *)
 Theorem hellinger_matrix :
   hellinger2 (arrivals H) law1 law2 = 1 - sum (fun s => start s * matrix_power_one H s) (elements St).
 Proof.
   rewrite hellinger_recursion. f_equal.
-  assert (forall k t, sum (fun s => overlap_at t s * matrix_power_one k s) (elements St) = sum (overlap_at (t + k)) (elements St)) as Q.
+  assert (forall k t, sum (fun s => overlap_at t s * matrix_power_one k s) (elements St) = sum (overlap_at
+    (t + k)) (elements St)) as Q.
   { induction k as [|k IH]; intros t.
     - rewrite <- plus_n_O. apply sum_ext. intros; simpl; ring.
     - rewrite forward_and_backward, IH. replace (S t + k)%nat with (t + S k)%nat by lia. reflexivity. }
@@ -105,7 +107,8 @@ Proof. apply hellinger_recursion. Qed.
 Example hellinger_recursion_main_text_nonvacuous :
   hellinger2 (trajectories 3) (trajectory_law (markov fair true_kernel) (stationary (fun _ => fair)))
     (trajectory_law (markov fair wrong_kernel) (stationary dirac))
-  = 1 - sum (fun s => overlap_at fair true_kernel wrong_kernel (fun _ => fair) dirac 2 s * overlap (elements two) fair (dirac s))
+  = 1 - sum (fun s => overlap_at fair true_kernel wrong_kernel (fun _ => fair) dirac 2 s * overlap
+    (elements two) fair (dirac s))
           (elements two).
 Proof. apply hellinger_recursion_main_text. Qed.
 

@@ -118,7 +118,8 @@ Proof.
   { apply Rmult_le_reg_r with delta; [lra|]. unfold Rdiv. rewrite Rmult_assoc, Rinv_l by lra. lra. }
   assert (Pr0 : 0 <= r).
   { unfold r, Rdiv. apply Rmult_le_pos; [|left; apply Rinv_0_lt_compat; auto].
-    rewrite <- ln_1. destruct Q as [Q|Q]; [left; apply ln_increasing; unfold Rdiv in *; lra|]. right. f_equal. exact Q. }
+    rewrite <- ln_1. destruct Q as [Q|Q]; [left; apply ln_increasing; unfold Rdiv in *;
+      lra|]. right. f_equal. exact Q. }
   destruct (Rle_lt_dec r 1) as [R1|R1].
   - apply with_probability_weaken with (1 - N * (1 - r) ^ n); [|apply finite_class_tail; lra].
     assert ((1 - r) ^ n <= exp (- (INR n * r))) as L.
@@ -146,15 +147,15 @@ Hypothesis element_nonneg : forall k x, 0 <= element k x.
 Hypothesis element_total : forall k, sum (element k) points = 1.
 Hypothesis estimate_nonneg : forall D x, 0 <= estimate D x.
 Hypothesis estimate_total : forall D, sum (estimate D) points = 1.
-Hypothesis covered : forall D, exists k, In k cover /\ forall x, estimate D x <= r * element k x.
+Hypothesis covered : forall D, exists k, In k cover /\ forall x, In x points -> estimate D x <= r * element k x.
 Hypothesis likeliest : forall D, 0 < prob draws D -> product p D <= product (estimate D) D.
 
-Lemma near_its_element D k : (forall x, estimate D x <= r * element k x) ->
+Lemma near_its_element D k : (forall x, In x points -> estimate D x <= r * element k x) ->
   hellinger2 points (estimate D) (element k) <= ln r / 2.
 Proof.
   intros Q. assert (Pr0 : 0 < sqrt r) by (apply sqrt_lt_R0; lra).
   assert (/ sqrt r <= overlap points (estimate D) (element k)) as O.
-  { rewrite <- (Rmult_1_r (/ sqrt r)), <- (estimate_total D). rewrite <- sum_scal. apply sum_le. intros x _.
+  { rewrite <- (Rmult_1_r (/ sqrt r)), <- (estimate_total D). rewrite <- sum_scal. apply sum_le. intros x I.
     apply Rmult_le_reg_l with (sqrt r); auto. rewrite <- Rmult_assoc, Rinv_r, Rmult_1_l by lra.
     rewrite <- root_mult; [|lra|apply Rmult_le_pos; auto].
     rewrite <- (sqrt_square (estimate D x)) at 1 by auto. apply sqrt_le_1_alt.
@@ -171,9 +172,12 @@ Lemma doubled (D : list X) k :
   <= 2 * hellinger2 points (estimate D) (element k) + 2 * hellinger2 points (element k) p.
 Proof.
   rewrite !hellinger2_roots; auto.
-  replace (2 * (/ 2 * sum (fun x => (sqrt (estimate D x) - sqrt (element k x)) * (sqrt (estimate D x) - sqrt (element k x)))
-      points) + 2 * (/ 2 * sum (fun x => (sqrt (element k x) - sqrt (p x)) * (sqrt (element k x) - sqrt (p x))) points))
-    with (/ 2 * sum (fun x => 2 * ((sqrt (estimate D x) - sqrt (element k x)) * (sqrt (estimate D x) - sqrt (element k x)))
+  replace (2 * (/ 2 * sum (fun x => (sqrt (estimate D x) - sqrt (element k x)) * (sqrt (estimate D x) - sqrt
+    (element k x)))
+      points) + 2 * (/ 2 * sum (fun x => (sqrt (element k x) - sqrt (p x)) * (sqrt (element k x) - sqrt
+        (p x))) points))
+    with (/ 2 * sum (fun x => 2 * ((sqrt (estimate D x) - sqrt (element k x)) * (sqrt (estimate D x) - sqrt
+      (element k x)))
       + 2 * ((sqrt (element k x) - sqrt (p x)) * (sqrt (element k x) - sqrt (p x)))) points).
   - apply Rmult_le_compat_l; [lra|]. apply sum_le. intros x _.
     pose proof (square_nonneg (sqrt (estimate D x) - sqrt (element k x) - (sqrt (element k x) - sqrt (p x)))). nra.
@@ -203,16 +207,17 @@ Proof.
     + rewrite sum_const. apply Rle_trans with (N * (delta / N)); [|right; field; lra].
       apply Rmult_le_compat_r; [left; unfold Rdiv; apply Rmult_lt_0_compat; [lra|apply Rinv_0_lt_compat; auto]|].
       apply le_INR, filter_no_longer.
-  - intros D _ L F. destruct (covered D) as [k [I Q]].
+  - intros D ID L F. destruct (covered D) as [k [I Q]].
     pose proof (near_its_element D k Q) as Near. pose proof (doubled D k) as Two.
     assert (hellinger2 points (element k) p <= a + ln r / 2) as Far.
-    2: { unfold a in Far. replace (2 * ln (N / delta) / INR n) with (2 * (ln (N / delta) / INR n)) by (field; lra). lra. }
+    2: { unfold a in Far. replace (2 * ln (N / delta) / INR n) with (2 * (ln (N / delta) / INR n)) by (field;
+      lra). lra. }
     destruct (far k) eqn:Fk.
     + exfalso. assert (existsb (fun k => reaches_one (ratio (sqrt r) (element k)) D) (filter far cover) = true);
         [|congruence].
       apply existsb_exists. exists k. split; [apply filter_In; auto|]. apply ratio_reaches_one; auto; try lra.
-      eapply Rle_trans; [apply likeliest; auto|]. apply product_le. intros x _. split; auto.
-      rewrite sqrt_sqrt by lra. auto.
+      eapply Rle_trans; [apply likeliest; auto|]. apply product_le. intros x J. split; auto.
+      rewrite sqrt_sqrt by lra. apply Q, (histories_outcomes draws n D x ID J).
     + unfold far in Fk. destruct (Rle_dec _ _) as [G|]; [|discriminate].
       pose proof (exp_pos (- a)) as Pa. pose proof (overlap_nonneg points p (element k)) as Po.
       set (o := overlap points p (element k)) in *.
@@ -248,6 +253,7 @@ Proof.
   rewrite !product_mult. apply Rmult_le_compat_l; auto. apply product_nonneg. intros. apply dynamics_factor_nonneg.
 Qed.
 
+(* label: audit T6(i) *)
 Theorem finite_class_of_policies delta : (0 < n)%nat -> (2 <= length class)%nat -> 0 < delta <= 1 ->
   with_probability (demonstrations E expert H) (1 - delta) n (fun D =>
     policy_error E H expert (clone D) <= ln ((INR (length class) - 1) / delta) / INR n).
@@ -261,6 +267,7 @@ Proof.
 Qed.
 
 (* The paper's constants. *)
+(* label: thm:generalization_bound_logloss_BC_general, finite class *)
 Theorem finite_class_of_policies_stated delta : (0 < n)%nat -> (2 <= length class)%nat -> 0 < delta <= 1 ->
   with_probability (demonstrations E expert H) (1 - delta) n (fun D =>
     policy_error E H expert (clone D) <= 6 * ln (2 * INR (length class) / delta) / INR n).

@@ -246,6 +246,10 @@ Proof.
   - apply NoDup_list_prod; apply distinct.
 Defined.
 
+Lemma sum_pairs {X Y : finite} (f : pairs X Y -> R) :
+  sum f (elements (pairs X Y)) = sum (fun x => sum (fun y => f (x, y)) (elements Y)) (elements X).
+Proof. apply (sum_list_prod f (elements X) (elements Y)). Qed.
+
 (* Two elements, for examples. *)
 Definition two : finite.
 Proof.

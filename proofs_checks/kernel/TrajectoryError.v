@@ -1,6 +1,7 @@
 (* The error of a trajectory law by the errors of the kernel's rows (the audit's T1), and the other way round (T4).
 
-   Two environments, the estimate and the truth, with a common policy; d_t are their occupancies at step t = 0, 1, ... *)
+   Two environments, the estimate and the truth, with a common policy;
+     d_t are their occupancies at step t = 0, 1, ... *)
 Require Import Reals List Lra Lia Bool.
 Require Import Bridge.Sums Bridge.Process Bridge.Distances Bridge.Mdp Bridge.HellingerRecursion Bridge.Small.
 Import ListNotations.
@@ -27,7 +28,8 @@ Lemma overlap_step t : prefix_overlap (S t) = sum (fun h => g_prefix h * (1 - ro
 Proof.
   unfold prefix_overlap, overlap, trajectories. cbn [histories]. rewrite sum_flat_map. apply sum_ext. intros h _.
   rewrite sum_map, sum_pairs. unfold row_error_after, hellinger2.
-  replace (1 - (1 - overlap (elements St) (Phat h) (Pstar h))) with (overlap (elements St) (Phat h) (Pstar h)) by ring.
+  replace (1 - (1 - overlap (elements St) (Phat h) (Pstar h))) with (overlap (elements St) (Phat h)
+    (Pstar h)) by ring.
   unfold overlap. rewrite <- sum_scal. apply sum_ext. intros s _.
   rewrite <- (Rmult_1_r (sqrt (Phat h s * Pstar h s))), <- (mass_total (pi h s)), <- !sum_scal.
   apply sum_ext. intros a _.
@@ -40,9 +42,11 @@ Proof.
   f_equal. ring.
 Qed.
 
-Lemma overlap_falls t : prefix_overlap (S t) = prefix_overlap t - sum (fun h => g_prefix h * row_error_after h) (trajectories t).
+Lemma overlap_falls t : prefix_overlap (S t) = prefix_overlap t - sum
+  (fun h => g_prefix h * row_error_after h) (trajectories t).
 Proof.
-  rewrite overlap_step. unfold prefix_overlap, overlap. rewrite <- sum_minus. apply sum_ext. intros h _. unfold g_prefix. ring.
+  rewrite overlap_step. unfold prefix_overlap, overlap. rewrite <- sum_minus. apply sum_ext. intros h _.
+    unfold g_prefix. ring.
 Qed.
 
 Lemma prefix_overlap_falls t k : prefix_overlap (t + k) <= prefix_overlap t.
@@ -57,7 +61,8 @@ Proof. unfold prefix_overlap, overlap; simpl. rewrite Rmult_1_l, sqrt_1. ring. Q
 
 (* T4 at one step, for prefixes of t steps and the row that follows. *)
 Lemma row_error_of_prefix t :
-  sum (fun h => truth h * row_error_after h) (trajectories t) <= (1 - prefix_overlap (S t)) * (1 + prefix_overlap (S t)).
+  sum (fun h => truth h * row_error_after h) (trajectories t) <=
+    (1 - prefix_overlap (S t)) * (1 + prefix_overlap (S t)).
 Proof.
   rewrite overlap_step. set (o := sum (fun h => g_prefix h * (1 - row_error_after h)) (trajectories t)).
   assert (o * o <= 1 - sum (fun h => truth h * row_error_after h) (trajectories t)); [|nra].
@@ -81,6 +86,7 @@ Qed.
 End Environments.
 
 (* The arrival of the last transition adds what one more state would. *)
+(* label: audit, conventions of the horizon *)
 Theorem arrival_convention (Phat Pstar : environment St Ac) (pi : policy St Ac) T :
   hellinger2 (arrivals T) (arrival_law Phat pi) (arrival_law Pstar pi)
   = hellinger2 (trajectories (S T)) (trajectory_law Phat pi) (trajectory_law Pstar pi).
@@ -151,6 +157,7 @@ Proof.
   - apply sum_ext. intros s _. symmetry. apply sqrt_square, mass_nonneg.
 Qed.
 
+(* label: audit T1 *)
 Theorem trajectory_error_identity T :
   trajectory_error T
   = sum (fun t => sum (fun m => g_overlap t m * row_error m) (elements (pairs St Ac))) (seq 0 T).
@@ -188,6 +195,7 @@ Lemma occupancy_nonneg E t m : 0 <= occupancy E t m.
 Proof. apply Pr_range. Qed.
 
 (* T1, the bound: constant 1 with the mean of the two occupancies. *)
+(* label: audit T1 *)
 Theorem trajectory_error_symmetrised T :
   trajectory_error T
   <= / 2 * sum (fun t => sum (fun m => occupancy estimate t m * row_error m) (elements (pairs St Ac))
@@ -216,8 +224,10 @@ Lemma trajectory_error_range T : 0 <= trajectory_error T <= 1.
 Proof. apply hellinger2_range; apply trajectory_law_nonneg || apply trajectory_law_total. Qed.
 
 (* T4, one step: the expected row error under the true occupancy. *)
+(* label: audit T4 *)
 Theorem row_error_at_step T t : (t < T)%nat ->
-  sum (fun m => occupancy truth t m * row_error m) (elements (pairs St Ac)) <= trajectory_error T * (2 - trajectory_error T).
+  sum (fun m => occupancy truth t m * row_error m) (elements (pairs St Ac)) <=
+    trajectory_error T * (2 - trajectory_error T).
 Proof.
   intros L. rewrite expected_row_error.
   eapply Rle_trans; [apply row_error_of_prefix|]. pose proof (trajectory_error_range T) as R1.
@@ -243,7 +253,8 @@ Proof.
     change (overlap (trajectories 2) (trajectory_law estimate pi) (trajectory_law truth pi))
       with (prefix_overlap estimate truth pi 2).
     rewrite overlap_falls, first_step.
-    replace (1 - (1 - sum (fun h => g_prefix estimate truth pi h * row_error_after estimate truth h) (trajectories 1)))
+    replace (1 - (1 - sum (fun h => g_prefix estimate truth pi h * row_error_after estimate truth h)
+      (trajectories 1)))
       with (sum (fun h => g_prefix estimate truth pi h * row_error_after estimate truth h) (trajectories 1)) by ring.
     apply sum_ext. intros h I. f_equal. pose proof (histories_length_list _ _ _ I) as Lh.
     destruct h as [|[s a] [|]]; try discriminate. unfold g_prefix, trajectory_law; cbn [prob step run].
@@ -259,6 +270,7 @@ Proof.
 Qed.
 
 (* T4, summed over the T transitions. *)
+(* label: audit T4 *)
 Theorem row_error_summed T : (0 < T)%nat ->
   sum (fun t => sum (fun m => occupancy truth t m * row_error m) (elements (pairs St Ac))) (seq 0 T)
   <= trajectory_error T * (1 + (INR T - 1) * (2 - trajectory_error T)).
@@ -289,8 +301,10 @@ Proof. apply trajectory_error_identity. Qed.
 
 Example trajectory_error_symmetrised_nonvacuous :
   small_error 2 <= / 2 * sum (fun t =>
-    sum (fun m => occupancy random_policy estimated t m * row_error wrong_kernel true_kernel m) (elements (pairs two two))
-    + sum (fun m => occupancy random_policy small t m * row_error wrong_kernel true_kernel m) (elements (pairs two two)))
+    sum (fun m => occupancy random_policy estimated t m * row_error wrong_kernel true_kernel m) (elements
+      (pairs two two))
+    + sum (fun m => occupancy random_policy small t m * row_error wrong_kernel true_kernel m) (elements
+      (pairs two two)))
     (seq 0 2).
 Proof. apply trajectory_error_symmetrised. Qed.
 

@@ -1,7 +1,8 @@
 (* Radius zero (the audit's T8): under a closed estimate all policies that agree with the data have one law; under any
    estimate the distance of expert and clone is the mass that the estimate gives to states without data. *)
 Require Import Reals List Lra Lia Bool.
-Require Import Bridge.Sums Bridge.Process Bridge.Distances Bridge.Mdp Bridge.ConfidenceSet Bridge.Cloning Bridge.Small.
+Require Import Bridge.Sums Bridge.Process Bridge.Distances Bridge.Mdp Bridge.ConfidenceSet Bridge.Cloning
+  Bridge.Small.
 Import ListNotations.
 Open Scope R_scope.
 
@@ -11,6 +12,7 @@ Context {St Ac : finite} (Pstar : environment St Ac) (expert : St -> Ac) (H : na
 Notation data := (list (trajectory St Ac)).
 
 (* T8(B): any estimate, with any law of the first state; no probability is involved. *)
+(* label: audit T8(B) *)
 Theorem distance_by_unvisited_mass (D : data) (f : St -> Ac) (Phat : environment St Ac) :
   possible Pstar (deterministic expert) D -> is_clone D f ->
   distance_to_clone Phat H (deterministic expert) (deterministic f)
@@ -57,6 +59,7 @@ Proof.
 Qed.
 
 (* T8(A): under a closed estimate every policy that took the recorded actions is at distance zero of the clone. *)
+(* label: audit T8(A) *)
 Theorem closed_distance_zero (D : data) (f g : St -> Ac) start kernel :
   forallb (follows f) D = true -> forallb (follows g) D = true -> closed D start kernel ->
   distance_to_clone (markov start kernel) H (deterministic g) (deterministic f) = 0.
@@ -70,6 +73,7 @@ Proof.
 Qed.
 
 (* The expert itself, at radius zero, for every clone and every data set that it can give. *)
+(* label: audit T8(A) *)
 Theorem expert_at_radius_zero (D : data) (f : St -> Ac) start kernel :
   possible Pstar (deterministic expert) D -> is_clone D f -> closed D start kernel ->
   distance_to_clone (markov start kernel) H (deterministic expert) (deterministic f) = 0.
@@ -89,7 +93,8 @@ Let clone := first_action (St := two) (Ac := two) false D.
 
 Lemma both_possible : possible small (deterministic keep) D.
 Proof.
-  intros t [<-|[<-|[]]]; unfold trajectory_law; cbn [prob step run]; unfold run_step; simpl; unfold dirac_mass; simpl; lra.
+  intros t [<-|[<-|[]]]; unfold trajectory_law; cbn [prob step run]; unfold run_step; simpl;
+    unfold dirac_mass; simpl; lra.
 Qed.
 
 Lemma clone_of_both : is_clone D clone.

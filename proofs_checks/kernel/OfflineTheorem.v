@@ -4,7 +4,8 @@
 
    The radii are the package's formulas, generated into Formulas.v. *)
 Require Import Reals List Lra Lia Bool.
-Require Import Bridge.Sums Bridge.Process Bridge.Distances Bridge.Mdp Bridge.ConfidenceSet Bridge.Cloning.
+Require Import Bridge.Sums Bridge.Process Bridge.Distances Bridge.Mdp Bridge.ConfidenceSet
+  Bridge.Deterministic Bridge.Cloning.
 Require Import Bridge.MaximumLikelihood Bridge.Covering Bridge.CountEstimate Bridge.Small.
 Require Import Bridge.Arithmetic Bridge.Formulas.
 Import ListNotations.

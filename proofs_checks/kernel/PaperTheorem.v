@@ -1,7 +1,8 @@
 (* The paper's offline statements for deterministic experts, with
   the paper's own constants, from the repaired ones. *)
 Require Import Reals List Lra Lia Bool.
-Require Import Bridge.Sums Bridge.Process Bridge.Distances Bridge.Mdp Bridge.ConfidenceSet Bridge.Cloning.
+Require Import Bridge.Sums Bridge.Process Bridge.Distances Bridge.Mdp Bridge.ConfidenceSet
+  Bridge.Deterministic Bridge.Cloning.
 Require Import Bridge.CountEstimate Bridge.OfflineTheorem Bridge.Small Bridge.Arithmetic Bridge.Formulas.
 Import ListNotations.
 Open Scope R_scope.

@@ -1,7 +1,8 @@
 (* Radius zero (the audit's T8): under a closed estimate all policies that agree with the data have one law; under any
    estimate the distance of expert and clone is the mass that the estimate gives to states without data. *)
 Require Import Reals List Lra Lia Bool.
-Require Import Bridge.Sums Bridge.Process Bridge.Distances Bridge.Mdp Bridge.ConfidenceSet Bridge.Cloning
+Require Import Bridge.Sums Bridge.Process Bridge.Distances Bridge.Mdp Bridge.ConfidenceSet
+  Bridge.Deterministic Bridge.Cloning
   Bridge.Small.
 Import ListNotations.
 Open Scope R_scope.

@@ -12,6 +12,7 @@ from asking_forgeries import implied, tampered
 
 from bridge_algos.asking import rollouts
 from bridge_algos.asking.config import AskConfig
+from bridge_algos.asking.feature_errors import ball_errors
 from bridge_algos.asking.rollout_estimates import Estimate, coupled_estimate
 from bridge_algos.asking.rollout_tree import Tree
 from bridge_algos.asking.study import prepare, run_session
@@ -48,11 +49,11 @@ def test_an_honest_session_is_certified_with_the_dynamics(seed: int) -> None:
     assert implied(plain(honest(seed)))
 
 
-def _forged(tree: Tree, recorded: np.ndarray, n_actions: int, reach: float, delta: float) -> Estimate:
+def _forged(tree: Tree, pilot: Tree, n_actions: int, reach: float, delta: float, merges: bool) -> Estimate:
     """Means that say the opposite, without errors."""
-    estimate = coupled_estimate(tree, recorded, n_actions, reach, delta)
+    estimate = coupled_estimate(tree, pilot, n_actions, reach, delta, merges)
     turned = estimate.features.mean(axis=0) - (estimate.features - estimate.features.mean(axis=0))
-    return dataclasses.replace(estimate, features=turned, error=lambda _: 0.0)
+    return dataclasses.replace(estimate, features=turned, errors=ball_errors(np.zeros(len(turned))))
 
 
 def test_forged_means_are_not_certified(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -107,7 +107,7 @@ def search(
     v: FloatArray,
     rows: FloatArray,
     tolerance: float,
-    target: float | None = None,
+    target: float | FloatArray | None = None,
     ease: FloatArray | None = None,
 ) -> Certificates:
     """Certificates of B contenders, to a tolerance, or good enough to decide whether a bound is at most ``target``.

@@ -32,6 +32,7 @@ from bridge_algos.asking.certificate import Certificate
 from bridge_algos.asking.consistency import Consistency
 from bridge_algos.asking.dual import LikelihoodSet, search
 from bridge_algos.asking.evidence import Evidence
+from bridge_algos.asking.feature_errors import FeatureErrors
 from bridge_algos.asking.gap import Gap, Rivals
 from bridge_algos.asking.goal import goal
 from bridge_algos.asking.model_test import ModelTest, empty_in_words, nobody_in_words, refuted_in_words
@@ -86,7 +87,8 @@ class Elicitation:
         asking: one of the rules of :mod:`bridge_algos.asking.rules`.
         fresh: whether the same pair asked again is a fresh draw, as with a simulated teacher; a person remembers.
         offline: what the candidates rest on and its failure probability, for the certificate.
-        errors: where features are estimates: nats by which they may be off, see :class:`bridge_algos.asking.gap.Gap`.
+        errors: where features are estimates: maps a candidate to the errors of the differences to it, for example
+            :attr:`bridge_algos.asking.rollout_estimates.Estimate.errors`; equal rows need not be merged then.
 
     Raises:
         InputError: for values out of range, one candidate, equal candidates, or shapes that do not fit.
@@ -108,12 +110,12 @@ class Elicitation:
         asking: str = "pool",
         fresh: bool = False,
         offline: tuple[str, float] | None = None,
-        errors: Callable[[int], float] | None = None,
+        errors: Callable[[int], FeatureErrors] | None = None,
     ) -> None:
         self.features = _matrix("features", features)
         self.pool = _matrix("pool", pool)
         self.reference = None if reference is None else _matrix("reference", np.atleast_2d(reference))[0]
-        _check(self.features, self.pool, weights, delta, self.reference)
+        _check(self.features, self.pool, weights, delta, self.reference, estimated=errors is not None)
         self.goal = goal(until, utility_range)
         if self.goal.rho and reference is None:
             raise InputError(f"until={until!r} needs a reference; give reference=, the features of a policy.")
@@ -363,8 +365,10 @@ def _matrix(name: str, given: ArrayLike) -> FloatArray:
     return np.ascontiguousarray(array)
 
 
-def _check(features: FloatArray, pool: FloatArray, weights: Ball, delta: float, reference: FloatArray | None) -> None:
-    if len(distinct_rows(features)) < len(features):
+def _check(
+    features: FloatArray, pool: FloatArray, weights: Ball, delta: float, reference: FloatArray | None, estimated: bool
+) -> None:
+    if not estimated and len(distinct_rows(features)) < len(features):
         raise InputError("features must hold distinct candidates, got equal rows; merge them first.")
     if pool.shape[1] != features.shape[1]:
         raise InputError(f"pool must have the candidates' {features.shape[1]} features, got {pool.shape[1]}.")

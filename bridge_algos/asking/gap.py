@@ -11,11 +11,13 @@ only those that decide whether to stop are worked on.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
+from itertools import product
 
 import numpy as np
 
 from bridge_algos.asking.dual import PENALTY, Certificates, LikelihoodSet, search
+from bridge_algos.asking.feature_errors import FeatureErrors
 from bridge_algos.mdp import FloatArray, IntArray
 
 Rivals = Callable[[IntArray], FloatArray]
@@ -49,6 +51,8 @@ class Critical:
         direction: (d,) v, its difference to what it is compared with.
         weights: (d,) weights in the likelihood set under which it is too good.
         rows: (k, d) what it must be better at than its rivals.
+        ease: (k,) how far below 0 these may be, where features are estimates.
+        allowed: nats that the direction's utility may reach.
         recommended: what was recommended then.
         answers: how many there were.
     """
@@ -57,6 +61,8 @@ class Critical:
     direction: FloatArray
     weights: FloatArray
     rows: FloatArray
+    ease: FloatArray
+    allowed: float
     recommended: int
     answers: int
 
@@ -71,8 +77,7 @@ class Gap:
         scale: nats, what bounds are computed to a fraction of.
         rivals: features of policies that a candidate must beat, besides the candidates themselves; None for none.
         reference: (d,) features of the reference and rho; None for the gap alone.
-        errors: nats by which the difference of any candidate to the recommended one may be off over the ball, where
-            features are estimates; it maps the recommended candidate to them.
+        errors: where features are estimates: maps the recommended candidate to the errors of the differences to it.
     """
 
     def __init__(
@@ -83,12 +88,12 @@ class Gap:
         scale: float,
         rivals: Rivals | None = None,
         reference: tuple[FloatArray, float] | None = None,
-        errors: Callable[[int], float] | None = None,
+        errors: Callable[[int], FeatureErrors] | None = None,
     ) -> None:
         self.features, self.weight_bound, self.target, self.rivals = features, weight_bound, target, rivals
         self.tolerance = TOLERANCE * scale
         self.reference, self.errors = reference, errors
-        self.recommended, self.error = 0, 0.0 if errors is None else errors(0)
+        self.recommended, self._errors = 0, None if errors is None else errors(0)
         self.bounds = self._widest(0)
         self.critical: Critical | None = None
 
@@ -100,7 +105,7 @@ class Gap:
     @property
     def open(self) -> bool:
         """Whether answers could still lower the gap to the target: not where errors of features alone exceed it."""
-        return self.error <= self.target and len(self._above()) > 0
+        return self._radii()[self.recommended] <= self.target and len(self._above()) > 0
 
     def anchor(self, candidate: int) -> FloatArray:
         """(d,) what contenders are compared with when that candidate is recommended."""
@@ -116,10 +121,9 @@ class Gap:
             return
         v = (self.anchor(self.recommended) - self.anchor(candidate))[None]
         shift = float(search(region, v, np.zeros((1, 0, v.shape[1])), self.tolerance).bound[0])
-        old, self.error = self.error, 0.0 if self.errors is None else self.errors(candidate)
-        shift += min(old, self.error)  # either bounds the error of the difference of the two
+        shift += float(self._radii()[candidate])
+        self.recommended, self._errors = candidate, None if self.errors is None else self.errors(candidate)
         self.bounds = np.minimum(self.bounds + shift, self._widest(candidate))
-        self.recommended = candidate
 
     def tighten(self, region: LikelihoodSet) -> None:
         """Lower the largest bounds until all are at most the target, or one is known to lie above it."""
@@ -144,8 +148,8 @@ class Gap:
             return False
         w = last.weights
         inside = w @ w < region.weight_bound**2 and region.answers.log_likelihood(w[None])[0] > region.level
-        short = float(np.maximum(0, -(last.rows @ w)).max(initial=0.0))
-        return bool(inside and last.direction @ w - PENALTY * short > self.target - self.error)
+        short = float(np.maximum(0, -(last.rows @ w) - last.ease).max(initial=0.0))
+        return bool(inside and last.direction @ w - PENALTY * short > last.allowed)
 
     def _above(self) -> IntArray:
         """Contenders whose bounds are above the target."""
@@ -162,88 +166,124 @@ class Gap:
         open_ = np.flatnonzero(self.bounds > 0)
         if not len(open_):
             return 0.0
-        v = self.features[open_] - self.anchor(self.recommended)
-        alone = search(region, v, np.zeros((len(open_), 0, v.shape[1])), self.tolerance)
-        rows, _ = self._rows(open_, alone.points)
-        bounds = np.minimum(alone.bound, search(region, v, rows, self.tolerance).bound)
+        nothing = np.zeros((len(open_), 0))
+        alone, _, _ = self._search(region, open_, nothing[..., None] * self.features[0], nothing, decide=False)
+        rows, _, ease = self._rows(open_, alone.points)
+        bounds = np.minimum(alone.bound, self._search(region, open_, rows, ease, decide=False)[0].bound)
         return max(0.0, float(np.minimum(bounds, self.bounds[open_]).max()))
 
     def _work_on(self, region: LikelihoodSet, chosen: IntArray) -> bool:
         """Bound some contenders; whether one of them lies above the target."""
-        v = self.features[chosen] - self.anchor(self.recommended)
-        nobody = np.zeros((len(chosen), 0, v.shape[1]))
-        found = self._search(region, v, nobody, np.ones((len(chosen), 0)))
+        nothing = np.zeros((len(chosen), 0))
+        found, v, rest = self._search(region, chosen, nothing[..., None] * self.features[0], nothing)
         self.bounds[chosen] = np.minimum(self.bounds[chosen], found.bound)
-        self._share(chosen, found, np.ones(len(chosen)))
+        self._share(chosen, found, v, rest, np.ones(len(chosen)))
         left = np.flatnonzero(self.bounds[chosen] > self.target)
         if not len(left):
             return False
-        rows, norms = self._rows(chosen[left], found.points[left])
-        found = self._search(region, v[left], rows, norms)
+        rows, norms, ease = self._rows(chosen[left], found.points[left])
+        found, v, rest = self._search(region, chosen[left], rows, ease)
         self.bounds[chosen[left]] = np.minimum(self.bounds[chosen[left]], found.bound)
-        self._share(chosen[left], found, 1 + (found.rival_multipliers / norms).sum(axis=1))
+        self._share(chosen[left], found, v, rest, 1 + (found.rival_multipliers / norms).sum(axis=1))
         bounds = self.bounds[chosen[left]]
         worst = int(bounds.argmax())
         if bounds[worst] <= self.target:
             return False
         contender = int(chosen[left][worst])
-        total = region.answers.total
-        self.critical = Critical(contender, v[left][worst], found.inside[worst], rows[worst], self.recommended, total)
+        total, allowed = region.answers.total, self.target - float(rest[worst])
+        self.critical = Critical(
+            contender, v[worst], found.inside[worst], rows[worst], ease[worst], allowed, self.recommended, total
+        )
         return True
 
-    def _search(self, region: LikelihoodSet, v: FloatArray, rows: FloatArray, norms: FloatArray) -> Certificates:
-        """Certificates whose bounds also hold for every feature within the error of its estimate.
+    def _radii(self) -> FloatArray:
+        """(N,) nats by which the difference of each candidate to the recommended one may be off, over the ball."""
+        if self._errors is None:
+            return np.zeros(len(self.features))
+        return np.asarray(self.weight_bound * self._errors.radii * (1 + 1e-12))
 
-        The difference of a contender to a rival goes through the recommended candidate, and so errs by twice the error.
+    def _search(
+        self, region: LikelihoodSet, chosen: IntArray, rows: FloatArray, ease: FloatArray, decide: bool = True
+    ) -> tuple[Certificates, FloatArray, FloatArray]:
+        """Certificates of contenders, their directions (B, d), and the nats (B,) that were added to bounds.
+
+        Where features are estimates a contender's difference to the recommended candidate lies among the corners of its
+        axes, within a rest; the certificate is that of the worst corner, and its bound, with the rest, holds for all.
         """
-        ease = 2 * self.error / norms if self.error else None
-        found = search(region, v, rows, self.tolerance, self.target - self.error, ease)
-        return replace(found, bound=found.bound + self.error * (1 + 1e-12))
+        v = self.features[chosen] - self.anchor(self.recommended)
+        if self._errors is None:
+            found = search(region, v, rows, self.tolerance, self.target if decide else None)
+            return found, v, np.zeros(len(chosen))
+        axes, rest = self._errors.axes(chosen, v.shape[1])
+        rest = self.weight_bound * rest * (1 + 1e-12)
+        signs = np.array(list(product((1.0, -1.0), repeat=axes.shape[1])))
+        corners = v[:, None] + signs @ axes
+        size, count = corners.shape[:2]
+        every, d, allowed = np.repeat(np.arange(size), count), v.shape[1], self.target - rest
+        until = allowed[every] if decide else None
+        tried = search(region, corners.reshape(-1, d), rows[every], self.tolerance, until, ease[every])
+        worst = np.arange(size) * count + tried.bound.reshape(size, count).argmax(axis=1)
+        parts = {field.name: getattr(tried, field.name)[worst] for field in fields(tried)}
+        return replace(Certificates(**parts), bound=tried.bound[worst] + rest), corners.reshape(-1, d)[worst], rest
 
-    def _share(self, chosen: IntArray, found: Certificates, factor: FloatArray) -> None:
+    def _share(
+        self, chosen: IntArray, found: Certificates, v: FloatArray, added: FloatArray, factor: FloatArray
+    ) -> None:
         """Bound the neighbours of contenders by their certificates, which lose W (1 + sum mu) per unit of distance.
 
-        Every rival of a contender is a rival of its neighbour too; so the same dual point bounds both.
+        Every rival of a contender is a rival of its neighbour too; so the same dual point bounds both. Where features
+        are estimates the neighbour's radius counts 1 + sum mu times, instead of the contender's in the rows of rivals.
         """
         others = np.flatnonzero(self.bounds > self.target)
         if len(chosen) < SHARED or len(others) < SHARED:
             return
         good = found.bound <= self.target
-        chosen, rest, factor, bound = chosen[good], found.rest[good], factor[good], found.bound[good]
-        own = np.vecdot(rest, rest)
+        rest, factor, bound = found.rest[good], factor[good], (found.bound - added)[good]
+        own, origin, radii = np.vecdot(rest, rest), v[good] + self.anchor(self.recommended), self._radii()
+        bound = bound - (factor - 1) * radii[chosen[good]]
         for part in range(0, len(others), SHARED_BLOCK):
             at = others[part : part + SHARED_BLOCK]
             # || rest + factor (phi' - phi) ||^2, expanded so that it is one product
-            shift = rest - factor[:, None] * self.features[chosen]
+            shift = rest - factor[:, None] * origin
             squares = np.vecdot(shift, shift)[:, None] + 2 * factor[:, None] * (shift @ self.features[at].T)
             squares += factor[:, None] ** 2 * np.vecdot(self.features[at], self.features[at])
             size = np.abs(squares).max(initial=0.0) + np.vecdot(self.features[at], self.features[at]).max(initial=0.0)
             lengths = np.sqrt(np.maximum(squares, 0) + 1e-13 * size * factor[:, None] ** 2)
             bounds = bound[:, None] + self.weight_bound * (lengths - np.sqrt(own)[:, None])
+            bounds += factor[:, None] * radii[at]
             self.bounds[at] = np.minimum(self.bounds[at], bounds.min(axis=0, initial=np.inf) * (1 + 1e-12) + 1e-12)
 
-    def _rows(self, contenders: IntArray, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Unit rows phi(contender) - phi(rival), (B, k, d), the most violated at the points, and their lengths (B, k).
+    def _rows(self, contenders: IntArray, points: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Unit rows phi(contender) - phi(rival), (B, k, d), the most violated at the points, their lengths, and ease.
 
-        Zero rows, of length infinity, fill up.
+        Zero rows, of length infinity, fill up. The ease (B, k) is how far below 0 a row's product with the weights may
+        be where features are estimates: both differences to the recommended candidate may be off.
         """
         ahead = (points @ self.features.T).argmax(axis=1)
         others = np.stack(
             [self.features[ahead], np.broadcast_to(self.features[self.recommended], points.shape)], axis=1
         )
+        radii = self._radii()
+        wide = np.stack([radii[ahead], np.zeros(len(ahead))], axis=1)
         if self.rivals is not None:
             others = np.concatenate([others, self.rivals(contenders)], axis=1)
+            more = np.zeros((len(ahead), others.shape[1] - 2))
+            if self._errors is not None and self._errors.rivals is not None:
+                more = self.weight_bound * self._errors.rivals(contenders) * (1 + 1e-12)
+            wide = np.concatenate([wide, more], axis=1)
         rows = self.features[contenders][:, None] - others
         norms = np.linalg.norm(rows, axis=2)
         norms = np.where(norms > 1e-9, norms, np.inf)
-        rows = rows / norms[..., None]
-        keep = np.argsort(np.einsum("bkd,bd->bk", rows, points), axis=1)[:, :MOST_ROWS]
-        return np.take_along_axis(rows, keep[..., None], axis=1), np.take_along_axis(norms, keep, axis=1)
+        rows, ease = rows / norms[..., None], (wide + radii[contenders, None]) / norms
+        keep = np.argsort(np.einsum("bkd,bd->bk", rows, points) + ease, axis=1)[:, :MOST_ROWS]
+        norms, ease = (np.take_along_axis(part, keep, axis=1) for part in (norms, ease))
+        return np.take_along_axis(rows, keep[..., None], axis=1), norms, ease
 
     def _widest(self, recommended: int) -> FloatArray:
         """Bounds that hold before any answer: W ||v||."""
         lengths = np.linalg.norm(self.features - self.anchor(recommended), axis=1)
-        bounds = np.asarray(self.weight_bound * lengths * (1 + 1e-12)) + self.error
+        radii = self._radii()
+        bounds = np.asarray(self.weight_bound * lengths * (1 + 1e-12)) + radii
         if self.reference is None:
-            bounds[recommended] = self.error
+            bounds[recommended] = radii[recommended]
         return bounds

@@ -62,6 +62,22 @@ def norm_radius(trace: FloatArray, top: FloatArray, reach: float, log_chance: fl
     return np.asarray((expected + spread + largest * log_chance / (3 * n)) * ROUNDING)
 
 
+def mean_radius(square: FloatArray, reach: float, log_chance: float, n: int) -> FloatArray:
+    """Bounds on the distance of a mean number from its expectation; each fails with probability 3 exp(-log_chance).
+
+    Bernstein's inequality on both sides, with the second moment bounded by :func:`expectation_bound`.
+
+    Args:
+        square: sample means of the squares of n independent draws of absolute value at most ``reach``, any shape.
+
+    >>> mean_radius(np.array([0.2]), 5.0, 8.0, 10_000).round(4)
+    array([0.0238])
+    """
+    s = expectation_bound(square, reach**2, log_chance, n)
+    largest = reach + np.sqrt(s)
+    return np.asarray((np.sqrt(2 * s * log_chance / n) + largest * log_chance / (3 * n)) * ROUNDING)
+
+
 def chance_bound(events: int, n: int, delta: float) -> float:
     """The upper end of Clopper and Pearson's interval: exceeded by the true chance with probability at most delta.
 

@@ -1,6 +1,8 @@
-"""Features of candidates estimated from rollouts, with a sure bound on the errors of all their differences.
+"""Features of candidates estimated from rollouts, with bounds on the errors of all their differences.
 
-Everything here is about differences: features are known up to a vector that all candidates share.
+Everything here is about differences: features are known up to a vector that all candidates share. Half of the failure
+probability is split over the K (K - 1) / 2 pairs of candidates and the bounds on each, so that the recommended one, and
+the pairs that are looked at, may be chosen from the same rollouts and from any answers.
 """
 
 from __future__ import annotations
@@ -11,90 +13,147 @@ from math import log
 
 import numpy as np
 
+from bridge_algos.asking.feature_errors import EVENTS, FeatureErrors, along_and_across, long_axes
 from bridge_algos.asking.rollout_bounds import chance_bound, norm_radius
-from bridge_algos.asking.rollout_tree import Tree
+from bridge_algos.asking.rollout_tree import Tree, followed_sums, relative_features
 from bridge_algos.mdp import FloatArray, IntArray
 from bridge_algos.policies import digits
+from bridge_theory.errors import InputError
 
-MOST_SPECTRA = 256
-"""Candidates whose second moments are decomposed, at most; the others are bounded by their traces."""
+PILOT_SHARE = 0.1
+"""Of given samples, those that axes are taken from."""
 
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """Candidates with estimated features.
+    """K candidates with estimated features.
 
     Args:
-        policies: (K, S).
         features: (K, d), up to a vector that all share.
-        error: maps the index i of a candidate to a number r(i): with probability ``1 - delta``, for all i at once,
-            every policy that agrees with the demonstrations has a candidate such that the difference of its features to
-            candidate i's is within r(i), in norm, of the estimated difference.
+        errors: maps the index i of a candidate to the errors of the K differences to it. With probability
+            ``1 - delta`` they hold for all i at once, for every policy that a candidate stands for.
         delta: failure probability.
-        episodes: trajectories simulated.
     """
 
-    policies: IntArray
     features: FloatArray
-    error: Callable[[int], float]
+    errors: Callable[[int], FeatureErrors]
     delta: float
-    episodes: int
 
 
-def coupled_estimate(tree: Tree, recorded: IntArray, n_actions: int, reach: float, delta: float) -> Estimate:
-    r"""From branching rollouts, whose number was fixed before they were made.
-
-    Half of delta is for the visits to merged states, if there are any, by Clopper and Pearson; the other half is split
-    over the K (K - 1) / 2 pairs of candidates, so that the recommended one may be chosen from the same rollouts and
-    from any answers.
+def paired_estimate(samples: FloatArray, reach: float, delta: float) -> Estimate:
+    """From rollouts of each of K given policies, best with common random numbers.
 
     Args:
-        tree: n seeds.
-        recorded: (S,) demonstrated actions, -1 in the other states.
+        samples: (K, n, d) features of n rollouts of each policy; n was fixed beforehand. The n columns (K, d) are
+            independent of each other. Rollouts of one column may depend on each other in any way: the closer they are,
+            as after a reset with the same seed, the smaller the errors.
+        reach: sure bound on the norm of the difference of two rollouts' features; clip features where there is none,
+            the clipped ones are then what the teacher is said to judge.
+        delta: failure probability.
+
+    Raises:
+        InputError: for another shape, a delta outside (0, 1), or features that differ by more than ``reach``.
+
+    >>> rng = np.random.default_rng(0)
+    >>> shared, own = rng.random((1, 4000, 3)), rng.random((5, 4000, 3))
+    >>> estimate = paired_estimate(0.9 * shared + 0.1 * own, np.sqrt(3), 0.01)
+    >>> estimate.errors(0).radii.round(3)
+    array([0.   , 0.019, 0.019, 0.019, 0.018])
+    """
+    samples = np.asarray(samples, dtype=np.float64)
+    if samples.ndim != 3 or samples.shape[1] < 2 or 0 in samples.shape or not np.isfinite(samples).all():
+        raise InputError(f"samples must be finite numbers of shape (K, n, d) with n at least 2, got {samples.shape}.")
+    if not 0 < delta < 1:
+        raise InputError(f"delta must lie strictly between 0 and 1, got {delta}.")
+    furthest = float(np.linalg.norm(samples - samples[0], axis=2).max())
+    if not furthest * (1 - 1e-9) <= reach < np.inf:
+        raise InputError(f"reach must bound all distances in a column, of which one is {furthest:.6g}, got {reach}.")
+    cut = max(1, int(PILOT_SHARE * samples.shape[1]))
+    pilot, own = samples[:, :cut], samples[:, cut:]
+    n, log_chance = own.shape[1], pair_log_chance(len(samples), delta)
+
+    def errors(recommended: int) -> FeatureErrors:
+        y = own - own[recommended]
+        trace = np.vecdot(y, y).mean(axis=1)
+        radii = norm_radius(trace, trace, reach, log_chance, n)
+        radii[recommended] = 0.0
+        before = pilot - pilot[recommended]
+        moments = (lambda j: before[j].T @ before[j] / cut), (lambda j: y[j].T @ y[j] / n)
+        return FeatureErrors(radii, _closely(moments, recommended, reach, log_chance, n, 0.0))
+
+    return Estimate(own.mean(axis=1), errors, delta)
+
+
+def coupled_estimate(
+    tree: Tree, pilot: Tree, n_actions: int, reach: float, delta: float, merges: bool = False
+) -> Estimate:
+    """Of every policy that agrees with the demonstrations, from branching rollouts whose number was fixed beforehand.
+
+    The half of delta that is not for pairs is for the visits to merged states, if there are any, by Clopper and
+    Pearson.
+
+    Args:
+        tree, pilot: n seeds, and others from which axes are taken; both open in the same states.
         n_actions: A.
         reach: bound on the norm of the difference of two trajectories' features.
         delta: failure probability.
+        merges: whether candidates stand for policies that act otherwise in merged states.
     """
-    merges = ((recorded < 0).sum() - len(tree.open_states)) > 0
     chosen = candidate_actions(tree, n_actions)
-    policies = np.repeat(np.where(recorded < 0, 0, recorded)[None], len(chosen), axis=0)
-    policies[:, tree.open_states] = chosen
     merged = reach * chance_bound(tree.merged_visits, tree.n, delta / 2) if merges else 0.0
-    log_chance = pair_log_chance(len(chosen), delta)
-    known: dict[int, float] = {}
+    n, log_chance = tree.n, pair_log_chance(len(chosen), delta)
 
-    def error(recommended: int) -> float:
-        if recommended not in known:
-            known[recommended] = widest_radius(tree, chosen[recommended], n_actions, reach, log_chance, tree.n)
-        return known[recommended] + merged
+    def errors(recommended: int) -> FeatureErrors:
+        y = relative_features(tree, chosen[recommended])
+        trace = followed_sums(tree, n_actions, np.vecdot(y, y)) / n
+        radii = norm_radius(trace, trace, reach, log_chance, n) + merged
+        radii[recommended] = merged
+        moments = pair_moments(pilot, chosen, recommended), pair_moments(tree, chosen, recommended)
+        return FeatureErrors(radii, _closely(moments, recommended, reach, log_chance, n, merged))
 
-    return Estimate(policies, followed_sums(tree, n_actions, tree.features) / tree.n, error, delta, tree.episodes)
+    return Estimate(followed_sums(tree, n_actions, tree.features) / n, errors, delta)
 
 
-def independent_estimate(
-    policies: IntArray, samples: FloatArray, reach: float, delta: float, episodes: int
-) -> Estimate:
-    """From rollouts of each candidate on its own, for simulators whose seeds cannot be set.
+Moments = Callable[[int], FloatArray]
+"""Of a candidate: the mean (d, d) of y y', with y the difference of its rollouts' features to the recommended one's."""
 
-    Args:
-        policies: (K, S), all candidates; none is merged.
-        samples: (K, n, d) independent vectors, whose expectations are the features up to a vector that all share: for
-            example :func:`bridge_algos.asking.rollout_tree.suffix_features`.
-        reach: bound on the norm of a vector.
-        delta: failure probability, split over the candidates.
-        episodes: trajectories simulated.
-    """
-    n = samples.shape[1]
-    trace = np.vecdot(samples, samples).mean(axis=1)
-    top = np.array([np.linalg.eigvalsh(rows.T @ rows / n)[-1] for rows in samples])
-    radii = norm_radius(trace, top, reach, log(3 * len(policies) / delta), n)
-    pair = 2 * float(radii.max()) if len(policies) > 1 else 0.0
-    return Estimate(policies, samples.mean(axis=1), lambda _: pair, delta, episodes)
+
+def _closely(
+    moments: tuple[Moments, Moments], recommended: int, reach: float, log_chance: float, n: int, merged: float
+) -> Callable[[IntArray], tuple[FloatArray, FloatArray]]:
+    """Axes and rests of candidates, remembered; from the moments in the pilot and in the n rollouts."""
+    known: dict[int, tuple[FloatArray, float]] = {}
+
+    def one(j: int) -> tuple[FloatArray, float]:
+        if j not in known:
+            axes, rest = along_and_across(long_axes(moments[0](j)), moments[1](j), reach, log_chance, n)
+            known[j] = (0 * axes, merged) if j == recommended else (axes, rest + merged)
+        return known[j]
+
+    def closely(index: IntArray) -> tuple[FloatArray, FloatArray]:
+        found = [one(j) for j in index.tolist()]
+        return np.stack([axes for axes, _ in found]), np.array([rest for _, rest in found])
+
+    return closely
+
+
+def pair_moments(tree: Tree, chosen: IntArray, recommended: int) -> Moments:
+    """Moments of candidates with these actions (K, k) in the open states, summed once for each pattern of branches."""
+    y = relative_features(tree, chosen[recommended])
+    patterns, group = np.unique(tree.actions, axis=0, return_inverse=True)
+    order = np.argsort(group.ravel(), kind="stable")
+    ends = np.cumsum(np.bincount(group.ravel(), minlength=len(patterns)))[:-1]
+    sums = np.array([rows.T @ rows for rows in np.split(y[order], ends)])
+
+    def moments(j: int) -> FloatArray:
+        return np.asarray(sums[((patterns == chosen[j]) | (patterns < 0)).all(axis=1)].sum(axis=0) / tree.n)
+
+    return moments
 
 
 def pair_log_chance(candidates: int, delta: float) -> float:
-    """L such that three events of chance exp(-L) for each pair of candidates have probability delta / 2 in all."""
-    return log(3 * max(candidates * (candidates - 1), 1) / delta)
+    """L such that EVENTS events of chance exp(-L) for each pair of candidates have probability delta / 2 in all."""
+    return log(EVENTS * max(candidates * (candidates - 1), 1) / delta)
 
 
 def candidate_actions(tree: Tree, n_actions: int) -> IntArray:
@@ -103,51 +162,24 @@ def candidate_actions(tree: Tree, n_actions: int) -> IntArray:
     return digits(np.arange(n_actions**k), [n_actions] * k)
 
 
-def followed_sums(tree: Tree, n_actions: int, values: FloatArray) -> FloatArray:
-    """(A^k, ...) for every candidate the sum of the values (m, ...) of the branches that it follows."""
-    patterns, group = np.unique(tree.actions, axis=0, return_inverse=True)
-    sums = np.zeros((len(patterns), *values.shape[1:]))
-    np.add.at(sums, group.ravel(), values)
-    k = len(tree.open_states)
-    total = np.zeros((n_actions,) * k + values.shape[1:])
-    for pattern, part in zip(patterns, sums, strict=True):
-        total[tuple(slice(None) if a < 0 else int(a) for a in pattern)] += part
-    return np.asarray(total.reshape(-1, *values.shape[1:]))
-
-
-def relative_features(tree: Tree, actions: IntArray) -> FloatArray:
-    """(m, d) features of every branch less those of the branch that one candidate (k,) follows with the same seed."""
-    _, row = np.unique(tree.seeds, return_inverse=True)
-    followed = follows(tree, actions)
-    own = np.zeros((len(np.unique(row)), tree.features.shape[1]))
-    own[row[followed]] = tree.features[followed]
-    return np.asarray(tree.features - own[row])
-
-
-def follows(tree: Tree, actions: IntArray) -> np.ndarray:
-    """(m,) whether a candidate with these actions in the open states follows each branch."""
-    return np.asarray(((tree.actions == actions) | (tree.actions < 0)).all(axis=1))
-
-
-def widest_radius(tree: Tree, actions: IntArray, n_actions: int, reach: float, log_chance: float, n: int) -> float:
-    """The largest error of a candidate's difference to the one with these actions.
-
-    Args:
-        n: number of seeds that the radius is for; another than the tree's only to predict.
-    """
-    y = relative_features(tree, actions)
-    trace = followed_sums(tree, n_actions, np.vecdot(y, y)) / tree.n
-    if len(trace) == 1:
-        return 0.0
-    crude = norm_radius(trace, trace, reach, log_chance, n)
-    order = np.argsort(-crude)
+def candidate_policies(tree: Tree, recorded: IntArray, n_actions: int) -> IntArray:
+    """(A^k, S) every candidate; action 0 in merged states."""
     chosen = candidate_actions(tree, n_actions)
-    widest = 0.0
-    for j in order[:MOST_SPECTRA]:
-        if crude[j] <= widest:
-            return widest
-        own = y[follows(tree, chosen[j])]
-        top = np.linalg.eigvalsh(own.T @ own / tree.n)[-1:]
-        widest = max(widest, float(norm_radius(trace[j : j + 1], top, reach, log_chance, n)[0]))
-    rest = crude[order[MOST_SPECTRA:]]
-    return max(widest, float(rest.max(initial=0.0)))
+    policies = np.repeat(np.where(recorded < 0, 0, recorded)[None], len(chosen), axis=0)
+    policies[:, tree.open_states] = chosen
+    return policies
+
+
+def told_apart(trees: tuple[Tree, ...], n_actions: int, rng: np.random.Generator) -> IntArray:
+    """One candidate for each set of those whose features are equal in every rollout of the trees.
+
+    Each is hashed: random weights of the rollouts, in 64-bit arithmetic; another set shares a hash with chance 2^-60.
+    """
+    keys: list[IntArray] = []
+    for tree in trees:
+        weights = rng.integers(-(2**63), 2**63 - 1, size=tree.n) | 1
+        scaled = np.round(tree.features * 2**20).astype(np.int64)
+        hashed = (weights[tree.seeds][:, None] * scaled) @ (rng.integers(-(2**63), 2**63 - 1, scaled.shape[1]) | 1)
+        with np.errstate(over="ignore"):
+            keys.append(followed_sums(tree, n_actions, hashed))
+    return np.sort(np.unique(np.stack(keys, axis=1), axis=0, return_index=True)[1])

@@ -13,10 +13,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bridge_algos.mdp import Dynamics, FloatArray, IntArray
+
+Number = TypeVar("Number", np.float64, np.int64)
 
 BLOCK = 20_000
 """Seeds simulated at a time."""
@@ -151,19 +155,27 @@ def _block(
     return seeds, chosen, features, touched
 
 
-def suffix_features(
-    simulator: Simulator, recorded: IntArray, policies: IntArray, per_step: FloatArray, n: int, rng: np.random.Generator
-) -> FloatArray:
-    """(K, n, d) of n independent rollouts of each of K policies (K, S), summed from the first undemonstrated state on.
+def followed_sums(tree: Tree, n_actions: int, values: NDArray[Number]) -> NDArray[Number]:
+    """(A^k, ...) for every candidate the sum of the values (m, ...) of the branches that it follows."""
+    patterns, group = np.unique(tree.actions, axis=0, return_inverse=True)
+    sums = np.zeros((len(patterns), *values.shape[1:]), dtype=values.dtype)
+    np.add.at(sums, group.ravel(), values)
+    k = len(tree.open_states)
+    total = np.zeros((n_actions,) * k + values.shape[1:], dtype=values.dtype)
+    for pattern, part in zip(patterns, sums, strict=True):
+        total[tuple(slice(None) if a < 0 else int(a) for a in pattern)] += part
+    return np.asarray(total.reshape(-1, *values.shape[1:]))
 
-    Nothing is shared between the policies; so the simulator's seed need not be settable.
-    """
-    owner = np.repeat(np.arange(len(policies)), n)
-    states = simulator.start(rng.random(len(owner)))
-    features, counted = np.zeros((len(owner), per_step.shape[2])), np.zeros(len(owner), dtype=bool)
-    for _ in range(simulator.horizon):
-        counted |= recorded[states] < 0
-        actions = policies[owner, states]
-        features[counted] += per_step[states[counted], actions[counted]]
-        states = simulator.step(states, actions, rng.random(len(owner)))
-    return features.reshape(len(policies), n, -1)
+
+def relative_features(tree: Tree, actions: IntArray) -> FloatArray:
+    """(m, d) features of every branch less those of the branch that one candidate (k,) follows with the same seed."""
+    _, row = np.unique(tree.seeds, return_inverse=True)
+    followed = follows(tree, actions)
+    own = np.zeros((len(np.unique(row)), tree.features.shape[1]))
+    own[row[followed]] = tree.features[followed]
+    return np.asarray(tree.features - own[row])
+
+
+def follows(tree: Tree, actions: IntArray) -> np.ndarray:
+    """(m,) whether a candidate with these actions in the open states follows each branch."""
+    return np.asarray(((tree.actions == actions) | (tree.actions < 0)).all(axis=1))

@@ -12,7 +12,9 @@ from scipy.stats import binom
 
 import bridge_theory as theory
 from bridge_algos.asking.answers import Answers
-from bridge_algos.asking.elicitation import Elicitation
+from bridge_algos.asking.elicitation import Ball, Elicitation
+from bridge_algos.asking.feature_errors import ball_errors
+from bridge_algos.asking.gap import Gap
 from bridge_algos.asking.tabular import build_problem, simulated_answer
 from bridge_algos.asking.utility import simulated_utility
 from bridge_algos.envs.registry import make_mdp
@@ -142,6 +144,30 @@ def test_a_tight_gap_is_a_bound_near_what_another_solver_reaches_and_disturbs_no
         if best.success and min(np.min(part["fun"](best.x)) for part in inside) > -1e-7:
             reached = max(reached, -best.fun)
     assert reached - 1e-5 <= session.tight_gap <= reached + 0.2 * (1 + reached)
+
+
+def test_a_tight_gap_pays_for_errors_of_features() -> None:
+    """Wherever the true features lie within the errors, their own gap is at most the one bounded from estimates."""
+    rng = np.random.default_rng(3)
+    features, weights, radius, nats = rng.normal(size=(5, 3)), np.array([1.0, -0.5, 0.2]), 2.0, 0.1
+    session = Elicitation(features, Ball(radius), rng.normal(size=(50, 3)), 0.05, "0.01nats", rng, fresh=True)
+    for _ in range(150):
+        question = session.ask()
+        session.tell(question, simulated_answer(weights, question.difference, rng))
+    region = session._region
+    assert region is not None
+
+    def tight(candidates: np.ndarray, error: float) -> float:
+        errors = ball_errors(np.full(len(candidates), error)) if error else None
+        gap = Gap(candidates, radius, 0.01, 0.01, errors=errors)
+        gap.recommend(session.recommended, region)
+        return gap.tight(region)
+
+    bounded, tolerance = tight(features, nats / (2 * radius)), 0.02 * 0.01
+    assert session.tight_gap <= bounded - nats + tolerance
+    moves = rng.normal(size=(20, *features.shape))
+    moves *= nats / (2 * radius) / np.linalg.norm(moves, axis=2, keepdims=True)
+    assert max(tight(features + move, 0.0) for move in moves) <= bounded + tolerance
 
 
 def test_derivatives_without_answers_are_zero() -> None:

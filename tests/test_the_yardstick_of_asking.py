@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from math import inf, log
 
+import cvxpy as cp
 import numpy as np
 import pytest
-from scipy.optimize import minimize
+from scipy.optimize import linprog, minimize
 from scipy.special import expit
 
+from bridge_algos.asking.candidates import version_space_candidates
 from bridge_algos.asking.interior import CutBall, inner_points, minimise
 from bridge_algos.asking.limit import (
     Setting,
@@ -109,6 +111,68 @@ def test_the_bracket_holds_against_an_independent_solver(seed: int) -> None:
     worst = worst[(np.linalg.norm(worst, axis=1) <= 4) & ((worst @ (features - features[best]).T).max(axis=1) >= 0.3)]
     _, _, mixed = best_design(divergences(truth, worst, questions))
     assert mixed >= low * (1 - 1e-6)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_bracket_encloses_the_value_of_one_conic_program(seed: int) -> None:
+    """D is also the least t such that a mixture of weights, one for each contender, is told by no question above t."""
+    rng = np.random.default_rng(seed)
+    features, truth, questions = rng.normal(size=(5, 3)), rng.normal(size=3), all_pairs(rng.normal(size=(6, 3)))
+    rivals = features[:, None] - 0.3 * rng.normal(size=(5, 3, 3))
+    setting = Setting(features, truth, 4.0, 0.3, questions, rivals.__getitem__ if seed % 2 else None)
+    best = int((features @ truth).argmax())
+    high, low = information_rate(setting, best)
+    exact = _conic_rate(setting, best)
+    assert low * (1 - 1e-4) <= exact <= high * (1 + 1e-4)
+
+
+def _conic_rate(setting: Setting, candidate: int) -> float:
+    """Minimax: convexity puts each contender's share on one point, and shares times points make it a conic program."""
+    x, p, w_bound = setting.questions, expit(setting.questions @ setting.truth), setting.weight_bound
+    entropy = p * np.log(p) + (1 - p) * np.log(1 - p)
+    told, constraints, shares = 0, [], []
+    for contender in range(len(setting.features)):
+        v = setting.features[contender] - setting.features[candidate]
+        if np.linalg.norm(v) * w_bound <= setting.nats:
+            continue
+        share, scaled = cp.Variable(nonneg=True), cp.Variable(len(v))
+        constraints += [v @ scaled >= setting.nats * share, cp.norm(scaled) <= w_bound * share]
+        if setting.cones is not None:
+            constraints.append(setting.cones(np.array([contender]))[0] @ scaled >= 0)
+        z, ones = x @ scaled, share * np.ones(len(x))
+        softplus, below, above = (cp.Variable(len(x)) for _ in range(3))  # share * log(1 + exp(z / share))
+        constraints += [cp.ExpCone(-softplus, ones, below), cp.ExpCone(z - softplus, ones, above)]
+        constraints.append(below + above <= ones)
+        told = told + softplus - cp.multiply(p, z) + entropy * share
+        shares.append(share)
+    most = cp.Variable()
+    return float(cp.Problem(cp.Minimize(most), [*constraints, sum(shares) == 1, told <= most]).solve(solver="CLARABEL"))
+
+
+def test_points_inside_are_found_among_a_thousand_half_spaces() -> None:
+    """The weights under which a candidate is the best of all policies of StarMDP; linear programs find points first."""
+    mdp = make_mdp("starmdp")
+    utility = simulated_utility(mdp, "state_action_counts", utility_range=5)
+    rng = np.random.default_rng(0)
+    policies = version_space_candidates(mdp, utility.embedding, None, 2000, rng).features
+    candidates = build_problem(mdp, utility, 1, rng, pool=2).candidates.features
+    order = np.argsort(-candidates @ utility.weights)
+    v = candidates[order[1:]] - candidates[order[0]]
+    rows = np.concatenate([v[:, None], candidates[order[1:], None] - policies], axis=1)
+    lengths = np.linalg.norm(rows, axis=2)
+    rows = np.where(lengths[..., None] > 0, rows / np.where(lengths > 0, lengths, 1.0)[..., None], 0.0)
+    offsets = np.where(lengths > 0, 0.0, -1.0)
+    offsets[:, 0] = 0.5 / lengths[:, 0]
+    side = utility.weight_bound / np.sqrt(rows.shape[2])
+    for cut, offset in zip(rows, offsets, strict=True):
+        bounds = [(-side, side)] * rows.shape[2] + [(None, 1.0)]
+        cost = np.append(np.zeros(rows.shape[2]), -1.0)
+        deepest = linprog(cost, np.hstack([-cut, np.ones((len(cut), 1))]), -offset, bounds=bounds)
+        assert -deepest.fun > 0.05, "a cube inside the ball holds a point well inside"
+    found, points = inner_points(CutBall(rows, offsets, utility.weight_bound, rows.shape[2]))
+    assert found.tolist() == list(range(15))
+    assert (np.einsum("bkd,bd->bk", rows, points) > offsets).all()
+    assert (np.linalg.norm(points, axis=1) < utility.weight_bound).all()
 
 
 def test_points_inside_are_found_exactly_where_there_are_some() -> None:

@@ -89,7 +89,7 @@ def inner_points(sets: CutBall) -> tuple[IntArray, FloatArray]:
 
     start = np.zeros((count, d + 1))
     start[:, d] = np.minimum(-sets.offsets.max(axis=1), 0.0) - 1.0
-    z = minimise(lower, lifted, start, np.geomspace(1.0, 1e6, 7) / sets.radius)
+    z = minimise(lower, lifted, start, np.geomspace(1.0, 1e6, 25) / sets.radius)
     found = np.flatnonzero(z[:, d] > 1e-7 * sets.radius)
     return found, z[found, :d]
 

@@ -35,7 +35,7 @@ CONTENDERS = 256
 PRECISION, ROUNDS = 0.02, 60
 """How close the ends of the bracket of D come, relatively, and how many designs are tried at most."""
 
-STRENGTHS = np.geomspace(10.0, 1e6, 6)
+STRENGTHS = np.geomspace(10.0, 1e6, 11)
 """Of the inner programs; they leave an error of about twenty over the last, in nats."""
 
 NEW_POINTS, FIRST_QUESTIONS = 8, 200

@@ -52,6 +52,30 @@ def count_text(value: float, most: int) -> str:
     return f"{value:.0f}" if np.isfinite(value) else f"more than {most}"
 
 
+def interval_text(one: Asked, most: int) -> str:
+    """The interval of the median in words.
+
+    >>> interval_text(asked([3] * 20), 300), interval_text(asked([3, 5]), 300), interval_text(asked([np.inf] * 20), 300)
+    ('3 to 3', '0 to no limit', 'more than 300')
+    """
+    if not np.isfinite(one.low):
+        return count_text(one.low, most)
+    return f"{one.low:.0f} to {one.high:.0f}" if np.isfinite(one.high) else f"{one.low:.0f} to no limit"
+
+
+def wanted(until: str) -> str:
+    """What a session asks for, in words.
+
+    >>> wanted("10%"), wanted("0.2nats"), wanted("share=90%")
+    ('a gap of 10 % of the range is certified', 'a gap of 0.2 nats is certified', '90 % of the gain is certified')
+    """
+    number = until.removeprefix("share=").strip()
+    amount = number.removesuffix("%").removesuffix("nats").strip()
+    if number != until.strip():
+        return f"{amount} % of the gain is certified"
+    return f"a gap of {amount} {'% of the range' if number.endswith('%') else 'nats'} is certified"
+
+
 def censored_level(most: int) -> float:
     """Where a figure shows what needs more than ``most`` questions."""
     return 1.08 * most
@@ -64,7 +88,7 @@ def draw_axes(axes: Any, demonstrations: list[int], most: int, until: str) -> No
     axes.set_yticks([*ticks, censored_level(most)], [*(str(tick) for tick in ticks), f"> {most}"])
     axes.set_xticks(range(len(demonstrations)), [str(n) for n in demonstrations])
     axes.set(xlim=(-0.5, len(demonstrations) - 0.5), ylim=(-0.03 * most, 1.13 * most))
-    axes.set(xlabel="demonstrations", ylabel=f"questions until a gap of {until} is certified")
+    axes.set(xlabel="demonstrations", ylabel=f"questions until {wanted(until)}")
 
 
 def draw_medians(axes: Any, places: ArrayLike, summaries: list[Asked], most: int, style: dict[str, Any]) -> None:

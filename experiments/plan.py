@@ -20,7 +20,7 @@ from bridge_theory.cli import plan as theory
 from bridge_theory.cli.options import Parser
 from bridge_theory.cli.table import text_table
 from bridge_theory.errors import InputError
-from experiments.asked import Asked, asked, count_text, draw_axes, draw_medians
+from experiments.asked import Asked, asked, count_text, draw_axes, draw_medians, interval_text
 
 FLAGS = ("--json", "--help", "-h")
 """Options that take no value."""
@@ -66,9 +66,10 @@ def simulate(argv: list[str]) -> int:
 
     _, utility, _ = prepare(configs[counts[0]])
     directory = options.out or Path("out") / f"plan-{Path(options.environment).stem}"
-    sessions = {
-        n: run_study(configs[n], directory / f"demonstrations-{n}", options.seeds, options.jobs) for n in counts
+    by_number = {  # fewer demonstrations leave more candidates, and the longest sessions
+        n: run_study(configs[n], directory / f"demonstrations-{n}", options.seeds, options.jobs) for n in counts[::-1]
     }
+    sessions = {n: by_number[n] for n in counts}
     found = {n: asked([row["questions"] for row in rows]) for n, rows in sessions.items()}
     config = configs[counts[0]]
     paths = _draw(config, found, sessions, directory)
@@ -85,8 +86,7 @@ def sentence(config: AskConfig, found: dict[int, Asked]) -> str:
     parts = []
     for n, one in found.items():
         given = "without demonstrations" if n == 0 else f"with {n} demonstration{'' if n == 1 else 's'}"
-        high = "no limit" if one.high == float("inf") else f"{one.high:.0f}"
-        interval = f" ({one.low:.0f} to {high})" if one.low != one.high else ""
+        interval = f" ({interval_text(one, config.max_questions)})" if one.low != one.high else ""
         parts.append(f"{count_text(one.median, config.max_questions)}{interval} {given}")
     listed = parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"
     return (
@@ -100,11 +100,10 @@ def _table(config: AskConfig, found: dict[int, Asked], sessions: dict[int, list[
     header = ("demonstrations", "median", "95 % interval", "90 % need at most", "certified", "nothing to ask")
     rows = []
     for n, one in found.items():
-        high = "-" if one.high == float("inf") else f"{one.high:.0f}"
         alone = sum(row["candidates"] == 1 for row in sessions[n])
         median, most = (count_text(value, config.max_questions) for value in (one.median, one.ninetieth))
-        low = "-" if one.low == float("inf") else f"{one.low:.0f}"
-        rows.append((str(n), median, f"{low} to {high}", most, f"{one.certified} of {one.sessions}", str(alone)))
+        interval = interval_text(one, config.max_questions)
+        rows.append((str(n), median, interval, most, f"{one.certified} of {one.sessions}", str(alone)))
     return text_table(header, rows)
 
 
@@ -149,7 +148,10 @@ def _draw(
         axes.plot(place + spread, y, "o", color="#999999", markersize=2.5, alpha=0.7, label=label)
     style = {"color": "#0072B2", "label": "median, and 10 % to 90 %"}
     draw_medians(axes, range(len(found)), list(found.values()), most, style)
-    axes.set_title(f"{Path(config.environment).stem}: questions against demonstrations", fontsize=9)
+    each = next(iter(found.values())).sessions
+    of_range = f", range {config.utility_range:g} nats"
+    title = f"{Path(config.environment).stem}{of_range}, {each} session{'' if each == 1 else 's'} for each number"
+    axes.set_title(title, fontsize=9)
     finish(axes)
     return save(picture, directory / "plan")
 

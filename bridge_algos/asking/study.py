@@ -39,7 +39,8 @@ def run_study(config: AskConfig, directory: Path, seeds: int, jobs: int = 1) -> 
             raise InputError(f"{directory} holds sessions of another configuration; choose another --out.")
     missing = [seed for seed in range(seeds) if seed not in stored]
     work = [(config, mdp, utility, demonstrations, seed, directory) for seed in missing]
-    for_each(run_and_store, work, jobs, f"ask {config.environment}", "session", finished=len(stored))
+    label = f"ask {config.environment}, {config.n_demonstrations} demonstrations"
+    for_each(run_and_store, work, jobs, label, "session", finished=len(stored))
     return [load_session(session_path(directory, seed))["outcome"] for seed in range(seeds)]
 
 

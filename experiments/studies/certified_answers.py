@@ -24,7 +24,7 @@ from bridge_algos.asking.tabular import Problem, build_problem, simulated_answer
 from bridge_algos.asking.utility import Utility
 from bridge_algos.mdp import TabularMDP
 from experiments.cells import Cell, run_cells
-from experiments.studies.certified_answers_report import figure, report
+from experiments.studies.certified_answers_report import gaps_figure, questions_figure, report
 from experiments.studies.old_width import answers_needed
 
 MEASURED = ("questions", "certified_gap", "true_gap", "covered", "candidates")
@@ -102,8 +102,8 @@ def measure_gaps(cell: Cell) -> xr.Dataset:
 
 
 def figures(data: xr.Dataset) -> dict[str, Any]:
-    """Questions against demonstrations on the left, gaps over the questions of sessions on the right."""
-    return {"": figure(data)}
+    """Questions against demonstrations, and gaps over the questions of sessions."""
+    return {"": questions_figure(data), "gaps": gaps_figure(data)}
 
 
 def words(data: xr.Dataset) -> str:

@@ -11,7 +11,7 @@ import xarray as xr
 from bridge_algos.mdp import FloatArray
 from bridge_algos.run.plots import finish
 from bridge_theory.cli.table import text_table
-from experiments.asked import Asked, asked, count_text, draw_axes, draw_medians
+from experiments.asked import asked, count_text, draw_axes, draw_medians, interval_text
 from experiments.intervals import clopper_pearson
 
 STYLES: dict[str, dict[str, Any]] = {
@@ -25,54 +25,67 @@ STYLES: dict[str, dict[str, Any]] = {
 
 CERTIFIED, TRUE = "#0072B2", "#000000"
 
+WORTH_DIVIDING = 5.0
+"""Questions from which on the least possible number says something when others are divided by it."""
 
-def figure(data: xr.Dataset) -> Any:
-    """Questions against demonstrations on the left, gaps over the questions of sessions on the right."""
+
+def questions_figure(data: xr.Dataset) -> Any:
+    """Questions against demonstrations: medians and most sessions for each way of asking, and what R1 needs."""
     from matplotlib.figure import Figure
 
-    picture = Figure(figsize=(7.4, 3.9), layout="constrained")
-    left, right = picture.subplots(1, 2, width_ratios=(1.15, 1))
-    _draw_questions(left, data)
-    _draw_gaps(right, data)
-    for axes in (left, right):
-        finish(axes)
-    return picture
-
-
-def _draw_questions(axes: Any, data: xr.Dataset) -> None:
     settings = json.loads(data.attrs["settings"])
-    counts, most = settings["demonstrations"], settings["max_questions"]
+    counts, most, names = settings["demonstrations"], settings["max_questions"], settings["asking"]
+    picture = Figure(figsize=(4.4, 4.3), layout="constrained")
+    axes = picture.subplots()
     draw_axes(axes, counts, most, settings["until"])
-    names = settings["asking"]
     for position, name in enumerate(names):
         own = _of(data, name)
         shift = 0.13 * (position - (len(names) - 1) / 2)
         places = [counts.index(int(n)) + shift for n in own.n.values]
         draw_medians(axes, places, [asked(row) for row in own.questions.values], most, STYLES[name])
     places = [counts.index(int(n)) for n in data.limit_n.values]
-    style = {"color": "#000000", "linestyle": (0, (1, 1.2)), "label": "least possible (estimate)"}
+    style: dict[str, Any] = {"color": "#000000", "linestyle": (0, (1, 1.2)), "label": "least possible (estimate)"}
     axes.plot(places, data.yardstick.median("limit_seed"), **style)
+    axes.annotate("R1:", (-0.42, 1.16 * most), fontsize=8, ha="left", annotation_clip=False)
     for place, old in zip(places, data.old.median("limit_seed").values, strict=True):
-        text = f"R1: {_old_text(old)}".replace("10^", "$10^{") + ("}$" if 1e4 <= old < np.inf else "")
-        axes.annotate(text, (place, 1.16 * most), fontsize=7.5, ha="center", annotation_clip=False)
-    axes.set_title("median and 10-90 % of the sessions\n(R1: what the earlier certificate needs)\n", fontsize=8.5)
-    axes.legend(fontsize=6.5, frameon=False, loc="upper right", bbox_to_anchor=(1, 0.88))
+        text = _old_text(old).replace("10^", "$10^{") + ("}$" if 1e4 <= old < np.inf else "")
+        axes.annotate(text, (place, 1.16 * most), fontsize=8, ha="center", annotation_clip=False)
+    axes.set_title(f"{_place(settings)}, {data.sizes['seed']} seeds: median, and 10-90 %\n", fontsize=9)
+    finish(axes)
+    picture.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=8, frameon=False)
+    return picture
 
 
-def _draw_gaps(axes: Any, data: xr.Dataset) -> None:
-    looks = data.look.values
-    for name, colour, label in (("gap_certified", CERTIFIED, "certified gap"), ("gap_true", TRUE, "true gap")):
+def gaps_figure(data: xr.Dataset) -> Any:
+    """The certified and the true gap over the questions of a session: one of them, and the middle of all."""
+    from matplotlib.figure import Figure
+
+    settings, looks = json.loads(data.attrs["settings"]), data.look.values
+    picture = Figure(figsize=(4.4, 3.9), layout="constrained")
+    axes = picture.subplots()
+    for name, colour, label in (("gap_certified", CERTIFIED, "certified"), ("gap_true", TRUE, "true")):
         rows = data[name].transpose("session", "look").values
         low, middle, high = np.quantile(rows, (0.1, 0.5, 0.9), axis=0)
         axes.fill_between(looks, low, high, color=colour, alpha=0.15, linewidth=0)
-        axes.plot(looks, middle, color=colour, linewidth=1.6, label=f"{label}, median and 10-90 %")
-        axes.plot(looks, rows[0], color=colour, linewidth=0.9, linestyle=(0, (4, 2)), label=f"{label}, one session")
-    axes.axhline(data.attrs["goal_nats"], color="#D55E00", linewidth=0.9, label="goal")
-    n = json.loads(data.attrs["settings"])["session"]["demonstrations"]
+        axes.plot(looks, middle, color=colour, linewidth=1.6, label=f"{label} gap, median")
+        axes.plot(looks, rows[0], color=colour, linewidth=0.9, linestyle=(0, (4, 2)), label=f"{label} gap, seed 0")
+    axes.axhline(
+        data.attrs["goal_nats"], color="#D55E00", linewidth=0.9, label=f"goal: {data.attrs['goal_nats']:g} nats"
+    )
+    n = settings["session"]["demonstrations"]
     axes.set(xlabel="questions answered", ylabel="gap of the recommended policy (nats)", ylim=(-0.1, None))
     axes.set(xlim=(0, looks[-1]))
-    axes.set_title(f"{n} demonstration{'' if n == 1 else 's'}, best question of the pool\n\n", fontsize=8.5)
-    axes.legend(fontsize=6.5, frameon=False, loc="upper right")
+    given = f"{n} demonstration{'' if n == 1 else 's'}"
+    title = f"{_place(settings)}, {given}\n{data.sizes['session']} seeds (bands: 10-90 %), best question of the pool"
+    axes.set_title(title, fontsize=9)
+    finish(axes)
+    picture.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=8, frameon=False)
+    return picture
+
+
+def _place(settings: dict[str, Any]) -> str:
+    name = {"starmdp": "StarMDP", "gridworld": "Gridworld", "frozenlake": "FrozenLake"}
+    return f"{name.get(settings['environment'], settings['environment'])}, range {settings['range']} nats"
 
 
 def report(data: xr.Dataset) -> str:
@@ -107,7 +120,7 @@ def _questions(data: xr.Dataset) -> str:
                 f"{int(way.n)}",
                 str(way.asking.item()),
                 count_text(one.median, most),
-                _interval(one),
+                interval_text(one, most),
                 count_text(one.ninetieth, most),
                 f"{one.certified} of {one.sessions}",
                 f"{int((way.candidates == 1).sum())}",
@@ -128,14 +141,15 @@ def _limits(data: xr.Dataset) -> str:
         way = _of(data, "pool")
         way = way.isel(way=int(np.flatnonzero(way.n.values == int(own.limit_n))[0]))
         same = way.questions.values[: len(yardstick)]
-        ratios = same[yardstick > 0] / yardstick[yardstick > 0]
-        ratio = "-" if not len(ratios) or not np.isfinite(np.median(ratios)) else f"{np.median(ratios):.1f}"
+        large = yardstick >= WORTH_DIVIDING
+        ratio = _ratio(same[large] / yardstick[large])
         spread = f"{np.median(yardstick):.1f} [{yardstick.min():.1f}, {yardstick.max():.1f}]"
         rows.append((f"{int(own.limit_n)}", spread, ratio, _old_text(old)))
-    header = ("demonstrations", "least possible: median [range]", "pool's questions / least", "R1, in its favour")
+    header = ("demonstrations", "least possible: median [range]", "pool's questions / it", "R1, in its favour")
     return (
         f"The first {settings['limit_seeds']} seeds. 'Least possible' estimates kl(1 - delta, delta)/D over the same "
-        "pool (companion G9): an average, in the limit of small delta where several answers are correct, from floats. "
+        "pool (companion G9): an average, in the limit of small delta where several answers are correct, from floats; "
+        f"questions are divided by it, and the median taken, where it is at least {WORTH_DIVIDING:g}. "
         "'R1' is the number of answers from which the earlier certificate, whose width contains kappa = 2 + 2cosh(2BW) "
         f"(here B = {data.attrs['embedding_bound']:g}), certifies the same gap with the paper's pair rule: an estimate "
         f"in its favour, with its centre exactly at the true weights.\n{text_table(header, rows)}"
@@ -177,16 +191,17 @@ def _of(data: xr.Dataset, asking: str) -> xr.Dataset:
     return own.isel(way=np.argsort(own.n.values))
 
 
+def _ratio(ratios: FloatArray) -> str:
+    """The median, as long as most of them are finite, and of how many."""
+    middle = float(np.quantile(ratios, 0.5, method="higher")) if len(ratios) else np.inf
+    return f"{middle:.1f} ({len(ratios)} seeds)" if np.isfinite(middle) else "-"
+
+
 def _old_text(old: float) -> str:
     """A number of answers that is usually astronomical."""
     if not np.isfinite(old):
         return "never"
     return f"{old:.0f}" if old < 1e4 else f"10^{np.log10(old):.0f}"
-
-
-def _interval(one: Asked) -> str:
-    low, high = ("-" if not np.isfinite(value) else f"{value:.0f}" for value in (one.low, one.high))
-    return f"{low} to {high}"
 
 
 def _three(values: FloatArray) -> str:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -66,11 +67,12 @@ def simulate(argv: list[str]) -> int:
 
     _, utility, _ = prepare(configs[counts[0]])
     directory = options.out or Path("out") / f"plan-{Path(options.environment).stem}"
-    by_number = {  # fewer demonstrations leave more candidates, and the longest sessions
-        n: run_study(configs[n], directory / f"demonstrations-{n}", options.seeds, options.jobs) for n in counts[::-1]
-    }
-    sessions = {n: by_number[n] for n in counts}
-    found = {n: asked([row["questions"] for row in rows]) for n, rows in sessions.items()}
+    sessions: dict[int, list[dict[str, Any]]] = {}
+    found: dict[int, Asked] = {}
+    for n in counts[::-1]:  # fewer demonstrations leave more candidates, and the longest sessions
+        rows = run_study(configs[n], directory / f"demonstrations-{n}", options.seeds, options.jobs)
+        sessions, found = {n: rows, **sessions}, {n: asked([row["questions"] for row in rows]), **found}
+        print(f"{_answer(n, found[n], options.max_questions)}, kept in {directory}", file=sys.stderr)
     config = configs[counts[0]]
     paths = _draw(config, found, sessions, directory)
     if options.json:
@@ -83,17 +85,19 @@ def simulate(argv: list[str]) -> int:
 
 def sentence(config: AskConfig, found: dict[int, Asked]) -> str:
     """The answer."""
-    parts = []
-    for n, one in found.items():
-        given = "without demonstrations" if n == 0 else f"with {n} demonstration{'' if n == 1 else 's'}"
-        interval = f" ({interval_text(one, config.max_questions)})" if one.low != one.high else ""
-        parts.append(f"{count_text(one.median, config.max_questions)}{interval} {given}")
+    parts = [_answer(n, one, config.max_questions) for n, one in found.items()]
     listed = parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"
     return (
         f"Until {goal(config.until, config.utility_range).describe()}, {config.environment} needs this many questions "
         f"in the median session: {listed} (in brackets the 95 % interval of the median, from order statistics of "
         f"{next(iter(found.values())).sessions} simulated sessions)."
     )
+
+
+def _answer(n: int, one: Asked, most: int) -> str:
+    given = "without demonstrations" if n == 0 else f"with {n} demonstration{'' if n == 1 else 's'}"
+    interval = f" ({interval_text(one, most)})" if one.low != one.high else ""
+    return f"{count_text(one.median, most)}{interval} {given}"
 
 
 def _table(config: AskConfig, found: dict[int, Asked], sessions: dict[int, list[dict[str, Any]]]) -> str:

@@ -90,7 +90,7 @@ def sentence(config: AskConfig, found: dict[int, Asked]) -> str:
     return (
         f"Until {goal(config.until, config.utility_range).describe()}, {config.environment} needs this many questions "
         f"in the median session: {listed} (in brackets the 95 % interval of the median, from order statistics of "
-        f"{next(iter(found.values())).sessions} simulated sessions)."
+        f"{(each := next(iter(found.values())).sessions)} simulated session{'' if each == 1 else 's'} for each number)."
     )
 
 
@@ -101,7 +101,7 @@ def _answer(n: int, one: Asked, most: int) -> str:
 
 
 def _table(config: AskConfig, found: dict[int, Asked], sessions: dict[int, list[dict[str, Any]]]) -> str:
-    header = ("demonstrations", "median", "95 % interval", "90 % need at most", "certified", "nothing to ask")
+    header = ("demonstrations", "median", "95 % interval", "90 % need at most", "certified", "one candidate")
     rows = []
     for n, one in found.items():
         alone = sum(row["candidates"] == 1 for row in sessions[n])

@@ -86,11 +86,12 @@ def simulate(argv: list[str]) -> int:
 def sentence(config: AskConfig, found: dict[int, Asked]) -> str:
     """The answer."""
     parts = [_answer(n, one, config.max_questions) for n, one in found.items()]
+    each = next(iter(found.values())).sessions
     listed = parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"
     return (
         f"Until {goal(config.until, config.utility_range).describe()}, {config.environment} needs this many questions "
         f"in the median session: {listed} (in brackets the 95 % interval of the median, from order statistics of "
-        f"{(each := next(iter(found.values())).sessions)} simulated session{'' if each == 1 else 's'} for each number)."
+        f"{each} simulated session{'' if each == 1 else 's'} for each number)."
     )
 
 
@@ -153,8 +154,7 @@ def _draw(
     style = {"color": "#0072B2", "label": "median, and 10 % to 90 %"}
     draw_medians(axes, range(len(found)), list(found.values()), most, style)
     each = next(iter(found.values())).sessions
-    of_range = f", range {config.utility_range:g} nats"
-    title = f"{Path(config.environment).stem}{of_range}, {each} session{'' if each == 1 else 's'} for each number"
+    title = f"{Path(config.environment).stem}, range {config.utility_range:g} nats, {each} sessions for each number"
     axes.set_title(title, fontsize=9)
     finish(axes)
     return save(picture, directory / "plan")

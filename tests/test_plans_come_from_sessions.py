@@ -30,11 +30,13 @@ SMALL = ["starmdp", "--demonstrations", "4,2", "--seeds", "3", "--max-questions"
 
 def test_the_answer_comes_first_and_the_figure_is_drawn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert bridge_rl(["plan", *SMALL, "--until", "10%", "--range", "5", "--out", str(tmp_path)]) == 0
-    text = capsys.readouterr().out
+    captured = capsys.readouterr()
+    text, told = captured.out, captured.err.splitlines()
     first = text.split("\n")[0]
+    assert ["with 4 demonstrations" in told[0], "with 2 demonstrations" in told[1]] == [True, True], "cheapest first"
     assert first.startswith("Until the recommended candidate is within 0.5 nats of the best")
     assert "with 2 demonstrations and " in first
-    assert "order statistics of 3 simulated sessions" in first
+    assert "order statistics of 3 simulated sessions for each number" in first
     assert "more than 12" in text
     assert (tmp_path / "plan.png").stat().st_size > 10_000
 

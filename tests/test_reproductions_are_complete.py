@@ -23,6 +23,7 @@ SMALL: dict[str, dict[str, Any]] = {
     "fig2-gridworld": {"seeds": 2},
     "ladder-starmdp": {"demonstrations": [2, 10], "datasets": 5, "counted": 1},
     "certified-answers": {"demonstrations": [2], "asking": ["pool"]},
+    "certified-regret": {},
 }
 
 

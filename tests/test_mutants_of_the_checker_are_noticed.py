@@ -27,6 +27,9 @@ CONTRADICTED = (HEADERS, "what_the_data_contradict")
 DEFINED = (LIKELIHOOD, "that_of_its_definition and repaired")
 REPLAYED = (LIKELIHOOD, "that_of_its_definition and likelihood")
 EVIDENCE = (LIKELIHOOD, "both_evidences")
+RULED_OUT = "test_dominated_policies_are_ruled_out.py"
+EXACTLY = (RULED_OUT, "goes_exactly")
+LEFT = (RULED_OUT, "the_checker_finds")
 
 MUTANTS: dict[str, tuple[str, str, str, tuple[str, str]]] = {
     "a teacher of returns is accepted": (
@@ -120,6 +123,40 @@ MUTANTS: dict[str, tuple[str, str, str, tuple[str, str]]] = {
     "the ellipsoid's curvature is that at the fit": (
         "bridge_algos.asking.ellipsoid", "slope * _lower_curvature(far)", "slope * 1.0",
         (LIKELIHOOD, "holds_every_likely_weight"),
+    ),
+    "a policy goes before its bound is negative": (
+        "bridge_algos.online.likelihood", "gone[chosen] = found.bound < 0", "gone[chosen] = found.bound < 0.3", EXACTLY,
+    ),
+    "a policy stays by weights that are no longer likely": (
+        "bridge_algos.online.likelihood", "known = known[region.answers.log_likelihood(known) >= region.level]",
+        "known = known.copy()", EXACTLY,
+    ),
+    "a shared certificate rules everybody out": (
+        "bridge_algos.online.likelihood", "region, v[rest], point) < 0", "region, v[rest], point) < np.inf", EXACTLY,
+    ),
+    "a shared certificate takes any multiplier": (
+        "bridge_algos.asking.dual", "c = _best_multiplier(region, v, w, np.zeros(size))",
+        "c = -np.abs(_best_multiplier(region, v, w, np.zeros(size)))", EXACTLY,
+    ),
+    "bonuses do not matter": (
+        "bridge_algos.online.likelihood", "is not None and not bonus.any()", "is not None", (RULED_OUT, "bonuses"),
+    ),
+    "everybody challenges": (
+        "bridge_algos.online.likelihood", "kept & challenging)\n            upper", "kept)\n            upper",
+        (RULED_OUT, "may_not_challenge"),
+    ),
+    "half an answer counts": (
+        "bridge_algos.online.likelihood", "np.isin(outcomes, (0.0, 1.0))", "(outcomes >= 0)", (RULED_OUT, "nothing"),
+    ),
+    "the checker looks more rarely than the run": (
+        "proofs_checks.verify.remaining", "GROWTH = 1.02", "GROWTH = 1.5", LEFT,
+    ),
+    "the checker rules nobody out by certificates": (
+        "proofs_checks.verify.remaining", "self._compare(self.answers, features)", "pass", LEFT,
+    ),
+    "the checker takes every number of policies": (
+        "proofs_checks.verify.remaining", "self.perhaps[members] &= worst >= -nearly\n", "",
+        (RULED_OUT, "another_number"),
     ),
     "unknown dynamics have a likelihood bound": (
         "proofs_checks.verify.conditions", '"the learner did not know the dynamics": not given.known', '"": False',

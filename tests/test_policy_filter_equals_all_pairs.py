@@ -65,6 +65,16 @@ def test_the_best_policy_always_survives(rng: np.random.Generator) -> None:
     assert surviving(scores, scores, whiten(features, matrix), 0.0)[scores.argmax()]
 
 
+@pytest.mark.parametrize("scale", [1e-12, 1e-8, 1.0, 1e8])
+def test_the_widest_pair_does_not_depend_on_the_unit(scale: float) -> None:
+    """Where kappa is 10^15 all distances are near 10^-8, and yet not equal."""
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        z, bonus, scores = rng.normal(size=(30, 4)), rng.random(30), rng.normal(size=30)
+        assert widest_pair(scale * z, 0.5, scale * bonus) == widest_pair(z, 0.5, bonus)
+        assert widest_pair(scale * z, 0.5, scale * bonus, scale * scores) == widest_pair(z, 0.5, bonus, scores)
+
+
 def test_pair_rules_do_what_they_say(rng: np.random.Generator) -> None:
     features, matrix, w, bonus = instance(3, 40, 3, 1.0)
     z, scores = whiten(features, matrix), features @ w

@@ -105,7 +105,8 @@ def widest_pair(z: Features, gamma: float, bonus: PerPolicy, scores: PerPolicy |
     ahead, behind = bonus + centred, bonus - centred
     reach = gamma * np.sqrt(squares)
     noise = 16 * EPSILON * (z.shape[1] + 4) * float(squares.max())  # of squared distances: below it they are equal
-    slack = TIE * (1 + float(np.maximum(reach + ahead, reach + behind).max()))
+    sizes = gamma * np.linalg.norm(z, axis=1), bonus, 0.0 if scores is None else np.abs(scores)
+    slack = TIE * sum(float(np.max(size)) for size in sizes) + 1e-300
     firsts, u = _falling(reach + ahead, slack)
     seconds, v = (firsts, u) if scores is None else _falling(reach + behind, slack)
     best, pair = -np.inf, (0, 0)

@@ -87,7 +87,8 @@ def _pairs(record: dict[str, Any], weights: np.ndarray) -> list[tuple[int, int]]
         for row in zip(record["pool"]["states"], record["pool"]["actions"], strict=True)
     ]
     order = np.argsort(values)
-    return [(int(i), int(j)) for i in order[-20:] for j in order[:50]]
+    half = len(order) // 2
+    return [(int(i), int(j)) for i in order[half:] for j in order[:half] if values[i] > values[j] + 0.1]
 
 
 REFUSALS: dict[str, tuple[list[Any], Any, str]] = {

@@ -25,6 +25,9 @@ that is needed from then on."""
 NEARLY = 0.2
 """Of the pairs that are predicted this nearly as surely as the surest, one that was asked about least is chosen."""
 
+FEW = 100
+"""Items that check questions are chosen from, besides those that were shown."""
+
 STEPS = 20
 """Of Newton's method, each of which changes no log odds by more than 2."""
 
@@ -54,7 +57,10 @@ class Consistency:
 
     def __init__(self, pool: FloatArray, groups: IntArray, precision: float, fresh: bool) -> None:
         _, self._items = np.unique(groups, return_index=True)
-        self._kinds, self._groups, self._precision, self._fresh = pool[self._items], groups, precision, fresh
+        self._pool, self._groups, self._precision, self._fresh = pool, groups, precision, fresh
+        count = len(self._items)
+        self._known = set(np.linspace(0, count - 1, min(FEW, count)).astype(np.int64).tolist())
+        self._place: dict[int, int] = {}
         self._won: dict[tuple[int, int], int] = {}
         self._skipped: set[tuple[int, int]] = set()
         self._odds: FloatArray | None = None
@@ -70,14 +76,15 @@ class Consistency:
     def tell(self, first: int, second: int, answer: int | None) -> None:
         """Count the answer to a question about items of the pool; it is a check question once predictions are made."""
         a, b = int(self._groups[first]), int(self._groups[second])
+        self._known |= {a, b}
         if answer is None:
             self._skipped |= {(a, b), (b, a)}
             return
         won = (a, b) if answer else (b, a)
         self._won[won] = self._won.get(won, 0) + 1
-        if self._odds is None:
+        if self._odds is None or not {a, b} <= self._place.keys():
             return
-        agrees = bool(self._odds[won] > 0)
+        agrees = bool(self._odds[self._place[won[0]], self._place[won[1]]] > 0)
         self.agreed, self.contrary = self.agreed + agrees, self.contrary + (not agrees)
         self.lead += 1 if agrees else -1
         if self.lead <= -LAG:
@@ -92,11 +99,12 @@ class Consistency:
                 self._odds = self._predicted()
             sure, times = np.abs(self._odds), self._counts()
             if not self._fresh:
-                for pair in (*self._won, *self._skipped):
-                    sure[pair] = sure[pair[::-1]] = 0.0
+                for a, b in (*self._won, *self._skipped):
+                    sure[self._place[a], self._place[b]] = sure[self._place[b], self._place[a]] = 0.0
             sure = np.where(sure < NEARLY * sure.max(), 0.0, sure / (1e3 * (times + times.T) + 1))
             first, second = divmod(int(sure.argmax()), len(sure))
-            asked = int(self._items[first]), int(self._items[second])
+            items = self._items[list(self._place)]
+            asked = int(items[first]), int(items[second])
             self.question = asked if sure[first, second] > 1e-9 else None
 
     def _restart(self) -> None:
@@ -105,9 +113,9 @@ class Consistency:
 
     def _counts(self) -> FloatArray:
         """(G, G) how often the first was preferred to the second."""
-        won = np.zeros((len(self._kinds),) * 2)
-        for pair, times in self._won.items():
-            won[pair] = times
+        won = np.zeros((len(self._place),) * 2)
+        for (a, b), times in self._won.items():
+            won[self._place[a], self._place[b]] = times
         return won
 
     def _predicted(self) -> FloatArray:
@@ -115,7 +123,8 @@ class Consistency:
 
         Pairs that were never asked about serve. Where there are none, each pair is predicted without its own answers.
         """
-        kinds, won = self._kinds, self._counts()
+        self._place = {kind: place for place, kind in enumerate(sorted(self._known))}
+        kinds, won = self._pool[self._items[list(self._place)]], self._counts()
         new = (won + won.T == 0) & ~np.eye(len(kinds), dtype=bool)
         if new.any():
             mean, covariance = _fitted(kinds, won, self._precision)

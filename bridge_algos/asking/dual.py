@@ -28,7 +28,7 @@ What is proved to the last digit is what ``bridge-rl verify`` says of a session.
 PENALTY = 5.0
 """What violating a rival's row costs in the search; it limits sum(mu) and keeps the search feasible."""
 
-FIRST_STEPS, GROWTH, STAGES, CENTRING = 1.0, 10.0, 12, 30
+FIRST_STEPS, GROWTH, STAGES, CENTRING, CENTRED = 30.0, 10.0, 12, 30, 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -206,10 +206,11 @@ class _Barrier:
         """Newton's method to near the central point; each step goes as far as the function rises."""
         w, s = w.copy(), s.copy()
         todo = np.arange(len(index))
+        height = self.value(index, w, s)
         for _ in range(CENTRING):
             at = index[todo]
             dw, ds, rise = self._step(at, w[todo], s[todo])
-            before = self.value(at, w[todo], s[todo])
+            before = height[todo]
             length = np.ones(len(todo))
             waiting = np.arange(len(todo))
             for _ in range(30):
@@ -220,6 +221,7 @@ class _Barrier:
                 short = after < before[waiting] + 0.05 * length[waiting] * rise[waiting] - 1e-9 * np.abs(
                     before[waiting]
                 )
+                height[here[~short]] = after[~short]
                 waiting = waiting[short]
                 if not len(waiting):
                     break
@@ -227,7 +229,7 @@ class _Barrier:
             length[waiting] = 0.0
             w[todo] += length[:, None] * dw
             s[todo] += length * ds
-            todo = todo[(length > 0) & (rise > 0.02)]
+            todo = todo[(length > 0) & (rise > CENTRED)]
             if not len(todo):
                 break
         return w, s

@@ -36,11 +36,11 @@ from bridge_algos.asking.feature_errors import FeatureErrors
 from bridge_algos.asking.gap import Gap, Rivals
 from bridge_algos.asking.goal import goal
 from bridge_algos.asking.model_test import ModelTest, empty_in_words, nobody_in_words, refuted_in_words
-from bridge_algos.asking.region import highest, is_empty, likelihood_set, needs_weight_bound
+from bridge_algos.asking.region import highest, is_empty, likelihood_set, needs_weight_bound, span_of_differences
 from bridge_algos.asking.rules import State, check_rule, choose
 from bridge_algos.asking.skips import skip_warning
 from bridge_algos.asking.vacuous import best_somewhere
-from bridge_algos.mdp import FloatArray
+from bridge_algos.mdp import FloatArray, IntArray
 from bridge_theory.errors import InputError
 
 PRIOR_SCALES = (1.0, 4.0, 16.0)
@@ -76,7 +76,8 @@ class Elicitation:
     Args:
         features: (N, d) expected features of the candidates; equal rows must be merged beforehand.
         weights: the assumption about the teacher's weights.
-        pool: (M, d) features of the items that questions show.
+        pool: (M, d) features of the items that questions show, or a function that draws them with the generator; items
+            of equal features are shown by the first of them.
         delta: failure probability of the session.
         until: when to stop, see :func:`bridge_algos.asking.goal.goal`.
         rng: the source of all randomness.
@@ -98,7 +99,7 @@ class Elicitation:
         self,
         features: ArrayLike,
         weights: Ball,
-        pool: ArrayLike,
+        pool: ArrayLike | Callable[[np.random.Generator], ArrayLike],
         delta: float,
         until: str,
         rng: np.random.Generator,
@@ -113,7 +114,7 @@ class Elicitation:
         errors: Callable[[int], FeatureErrors] | None = None,
     ) -> None:
         self.features = _matrix("features", features)
-        self.pool = _matrix("pool", pool)
+        self.pool = _matrix("pool", pool(rng) if callable(pool) else pool)
         self.reference = None if reference is None else _matrix("reference", np.atleast_2d(reference))[0]
         _check(self.features, self.pool, weights, delta, self.reference, estimated=errors is not None)
         self.goal = goal(until, utility_range)
@@ -130,8 +131,9 @@ class Elicitation:
         self._center = np.zeros(dimension)
         self._region: LikelihoodSet | None = None
         self._somebody = True  # whether a candidate is known to be best under weights that are left
-        _, groups = np.unique(self.pool, axis=0, return_inverse=True)
+        self._items, self._shown, groups = np.unique(self.pool, axis=0, return_index=True, return_inverse=True)
         self._groups = groups.ravel()
+        self._span = span_of_differences(np.concatenate([self.features, self._items]))
         self.test = ModelTest(self.pool, self._groups, weights.radius)
         self.check = Consistency(self.pool, self._groups, PRIOR_SCALES[1] * unit, fresh)
         self._owners = np.full(len(self.pool), -1) if owners is None else np.asarray(owners)
@@ -186,9 +188,9 @@ class Elicitation:
                 self._pending = self._question(*self.check.question)
                 return self._pending
             asked = None if self.fresh else self._asked
-            state = State(self.pool, self._owners, *self._fit(), self.gap.critical, self.recommended, self._groups)
+            state = State(self._items, self._items_of, *self._fit(), self.gap.critical, self.recommended)
             first, second = choose(self.asking, state, self.rng, asked)
-            self._pending = self._question(first, second)
+            self._pending = self._question(int(self._shown[first]), int(self._shown[second]))
         return self._pending
 
     def tell(self, question: Question, answer: int | None) -> None:
@@ -205,7 +207,8 @@ class Elicitation:
             raise InputError(f"the answer must be 1 (the first is better), 0 (the second) or None, got {answer!r}.")
         self._pending = None
         self.history.append((question.first, question.second, None if answer is None else int(answer)))
-        self._asked.add((min(question.first, question.second), max(question.first, question.second)))
+        first, second = sorted((int(self._groups[question.first]), int(self._groups[question.second])))
+        self._asked.add((first, second))
         self.check.tell(question.first, question.second, answer)
         if answer is None:
             self.check.prepare(self.reached)
@@ -230,7 +233,7 @@ class Elicitation:
         reached, best = highest(self.answers, self.weight_bound, self._center)
         bounded = True  # errors of features, too, are nats over the ball
         if self._region is not None and self.gap.errors is None:
-            bounded = needs_weight_bound(self._region, self.features, self.pool)
+            bounded = needs_weight_bound(self._region, self._span)
         words, chance = self.offline or ("the best of these candidates is meant, not of all policies", 0.0)
         return Certificate(
             certified=self.certified,
@@ -277,6 +280,10 @@ class Elicitation:
             self._pending = self._question(int(first), int(second))
             self.tell(self._pending, answer)
         self.rng.bit_generator.state = record["generator"]
+
+    def _items_of(self, candidate: int) -> IntArray:
+        """Which of the distinct items the trajectories of a candidate show."""
+        return np.unique(self._groups[self._owners == candidate])
 
     def _question(self, first: int, second: int) -> Question:
         return Question(len(self.history), first, second, self.pool[first] - self.pool[second])

@@ -67,17 +67,14 @@ def _inner_fit(answers: Answers, weight_bound: float, w: FloatArray, weight: flo
     return w
 
 
-def needs_weight_bound(region: LikelihoodSet, features: FloatArray, pool: FloatArray) -> bool:
+def needs_weight_bound(region: LikelihoodSet, span: FloatArray) -> bool:
     r"""Whether a certificate rests on ||w|| <= W, or the answers alone keep all weights inside (companion G3').
 
     With b = l(w^) - level, g the gradient at w^ and A_r = sum sigma'(z) 2 (e^(-r|x|) + r|x| - 1) / (r|x|)^2 x x', all
-    weights of the set lie within r of w^ when b + ||g|| r - r^2 lambda_min(A_r) / 2 < 0. Directions in which neither
-    candidates nor items differ do not count.
+    weights of the set lie within r of w^ when b + ||g|| r - r^2 lambda_min(A_r) / 2 < 0. Directions outside of
+    ``span``, in which neither candidates nor items differ, do not count.
     """
     answers, w = region.answers, region.interior
-    everything = np.concatenate([features, pool]) - pool[0]
-    _, sizes, directions = np.linalg.svd(everything, full_matrices=False)
-    span = directions[sizes > 1e-9 * max(float(sizes[0]), 1e-300)]
     value, gradient, _ = (part[0] for part in answers.derivatives(w[None]))
     x = answers.differences
     z, total = x @ w, answers.ones + answers.zeros
@@ -91,3 +88,15 @@ def needs_weight_bound(region: LikelihoodSet, features: FloatArray, pool: FloatA
         if (value - region.level) + float(np.linalg.norm(gradient)) * r - r**2 * smallest / 2 < -1e-9:
             return False
     return True
+
+
+def span_of_differences(features: FloatArray) -> FloatArray:
+    """(k, d) orthonormal rows that span the differences of features (N, d).
+
+    >>> span_of_differences(np.array([[1.0, 0.0], [1.0, 2.0]])).round(3) + 0.0
+    array([[0., 1.]])
+    """
+    centered = features - features[0]
+    _, sizes, directions = np.linalg.svd(np.linalg.qr(centered, mode="r"), full_matrices=False)
+    span = directions[sizes > 1e-9 * max(float(sizes[0]), 1e-300)]
+    return np.asarray(span * np.sign(span[np.arange(len(span)), np.abs(span).argmax(axis=1)])[:, None])

@@ -66,8 +66,8 @@ MERGED_SHARE = 0.2
 
 PILOT, LEAST_SEEDS, MOST_SEEDS, MOST_CANDIDATES = 1000, 200, 400_000, 2**19
 
-DRAWN = 10
-"""Trajectories simulated for each one in the pool."""
+SHOWN, DRAWN = 400, 10
+"""Trajectories in the pool, at most, and trajectories simulated for each of them: here every one costs an episode."""
 
 BASES, TRIED = 4, 64
 """Candidates, at most, between which the pilot measures differences."""
@@ -211,6 +211,7 @@ def simulated_session(
     )
     index = told_apart((pilot, tree), mdp.n_actions, rng)
     policies, features = candidate_policies(tree, recorded, mdp.n_actions)[index], estimate.features[index]
+    pool = min(pool, SHOWN)
     owners = rng.integers(len(index), size=DRAWN * pool)
     drawn = sample_each(mdp, policies[owners], 1, rng)
     picked = varied(drawn, mdp.n_actions, pool)

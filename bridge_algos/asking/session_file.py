@@ -35,6 +35,8 @@ def session_record(
     """What is stored of a session of a tabular problem."""
     certificate = session.certificate
     demonstrations = problem.demonstrations
+    shown = sorted({item for row in session.history for item in row[:2]}) or [0]  # the others need not be kept
+    place = {item: number for number, item in enumerate(shown)}
     record = {
         "kind": KIND,
         "format": FORMAT,
@@ -52,8 +54,8 @@ def session_record(
         "demonstrations": None if demonstrations is None else _trajectories(demonstrations),
         "complete": problem.candidates.complete,
         "candidates": None if problem.candidates.complete else problem.candidates.policies.tolist(),
-        "pool": _trajectories(problem.pool),
-        "questions": [list(row) for row in session.history],
+        "pool": _trajectories(Trajectories(problem.pool.states[shown], problem.pool.actions[shown])),
+        "questions": [[place[first], place[second], answer] for first, second, answer in session.history],
         "recommended": problem.candidates.policies[session.recommended].tolist(),
         "claims": {
             "certified": certificate.certified,

@@ -15,7 +15,7 @@ from bridge_algos.mdp import FloatArray, IntArray, TabularMDP
 from bridge_algos.occupancy import state_action_occupancies
 from bridge_algos.trajectories import Trajectories, sample_each, sample_trajectories
 
-POOL = 400
+POOL = 20_000
 """Trajectories simulated for the pool, one of each of so many candidates."""
 
 KEPT = 2000

@@ -46,7 +46,10 @@ def facts(record: Mapping[str, Any]) -> Facts:
     recorded = _demonstrations(record, configured, fixed)
     listed = _candidates(record, configured, fixed, recorded)
     pool = trajectories(record.get("pool"), "pool", fixed.mdp)
-    same("the number of trajectories in the pool", len(pool[0]), whole(configured, "pool", 2))
+    if len(pool[0]) > whole(configured, "pool", 2):
+        raise InputError(
+            f"pool must hold at most the {configured['pool']} configured trajectories, got {len(pool[0])}."
+        )
     log = read_log(record.get("questions"), fixed.table.of_trajectories(*pool), fixed.teacher is None)
     asked = len(log.answers) + log.skipped
     if asked > whole(configured, "max_questions"):

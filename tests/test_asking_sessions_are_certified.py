@@ -12,6 +12,9 @@ import pytest
 from bridge_algos.asking.config import AskConfig
 from bridge_algos.asking.session_file import record_digest, save_session
 from bridge_algos.asking.study import prepare, run_session
+from bridge_algos.envs.registry import make_mdp
+from bridge_algos.policies import random_policies
+from bridge_algos.trajectories import sample_each
 from experiments.cli import main
 from proofs_checks.asking_checker.checker import check
 from proofs_checks.asking_checker.file import digest
@@ -73,6 +76,10 @@ def test_contradictory_answers_are_no_certificate() -> None:
     record["weight_bound"] /= 10
     record["prior_precisions"] = [k * 100 for k in record["prior_precisions"]]
     record["teacher"] = None
+    rng = np.random.default_rng(0)
+    mdp = make_mdp("starmdp")
+    shown = sample_each(mdp, random_policies(400, mdp.n_states, mdp.n_actions, rng), 1, rng)
+    record["pool"] = {"states": shown.states.tolist(), "actions": shown.actions.tolist()}
     record["questions"] = [[i, j, 1] for i, j in _pairs(record, weights)]
     record["claims"]["answers"] = record["outcome"]["questions"] = len(record["questions"])
     verdict = check(record)
@@ -87,15 +94,14 @@ def _pairs(record: dict[str, Any], weights: np.ndarray) -> list[tuple[int, int]]
         for row in zip(record["pool"]["states"], record["pool"]["actions"], strict=True)
     ]
     order = np.argsort(values)
-    half = len(order) // 2
-    return [(int(i), int(j)) for i in order[half:] for j in order[:half] if values[i] > values[j] + 0.1]
+    return [(int(i), int(j)) for i in order[-20:] for j in order[:50]]
 
 
 REFUSALS: dict[str, tuple[list[Any], Any, str]] = {
     "equal trajectories": (["questions", 0], [3, 3, 1], "equal features"),
     "an answer of 2": (["questions", 0, 2], 2, "question 0 must be"),
     "true for 1": (["questions", 0, 2], True, "question 0 must be"),
-    "an index out of range": (["questions", 0, 0], 400, "question 0 must be"),
+    "an index out of range": (["questions", 0, 0], 40_000, "question 0 must be"),
     "another prior": (["prior_precisions", 1], 3.0, "prior_precisions"),
     "another W": (["weight_bound"], 1.0, "prior_precisions"),
     "another delta": (["delta"], 0.1, "delta is"),

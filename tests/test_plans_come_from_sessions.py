@@ -143,9 +143,9 @@ def test_a_tight_gap_is_a_bound_near_what_another_solver_reaches_and_disturbs_no
             {"type": "ineq", "fun": lambda w, rows=rows: rows @ w},
         ]
         best = minimize(lambda w, v=v: -v @ w, region.interior, constraints=inside, method="SLSQP")
-        if best.success and min(np.min(part["fun"](best.x)) for part in inside) > -1e-7:
+        if best.success and min(np.min(part["fun"](best.x)) for part in inside) > -1e-5:
             reached = max(reached, -best.fun)
-    assert reached - 1e-5 <= session.tight_gap <= reached + 0.2 * (1 + reached)
+    assert reached - 1e-3 <= session.tight_gap <= reached + 0.2 * (1 + reached)
 
 
 def test_a_tight_gap_pays_for_errors_of_features() -> None:

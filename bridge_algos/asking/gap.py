@@ -32,9 +32,6 @@ BATCHES = (8, 32, 64)
 SHARED, SHARED_BLOCK = 32, 4096
 """Contenders from which on certificates are tried on their neighbours, and neighbours tried at a time."""
 
-ROUNDS = 3
-"""Searches with rivals, to which those are added that the point reached violates."""
-
 LOOK_AGAIN = 1.03
 """Growth of the answers after which the critical contender is searched for afresh, even if it stands.
 

@@ -25,12 +25,16 @@ from scipy.special import expit
 from bridge_algos.asking.answers import log_sigmoid
 from bridge_algos.asking.candidates import deviations
 from bridge_algos.asking.interior import CutBall, inner_points, minimise
+from bridge_algos.asking.rules import extremes
 from bridge_algos.asking.tabular import Problem
 from bridge_algos.mdp import FloatArray, IntArray
 from bridge_theory.errors import InputError
 
 CONTENDERS = 256
 """Contenders that a true answer is compared with, at most: those that a normal approximation says are hardest."""
+
+FARTHEST = 200
+"""Items of a larger pool whose pairs are the questions: D over all pairs can only be larger, the yardstick smaller."""
 
 PRECISION, ROUNDS = 0.02, 60
 """How close the ends of the bracket of D come, relatively, and how many designs are tried at most."""
@@ -83,7 +87,7 @@ class Setting:
 
 
 def tabular_limit(problem: Problem, nats: float, delta: float) -> Limit:
-    """The yardstick of a tabular problem, over all pairs of the session's own pool.
+    """The yardstick of a tabular problem, over all pairs of the session's own pool, or of FARTHEST items of it.
 
     The cones hold each contender against the policies that differ from it in one state; where another policy would be
     the best, this leaves more weights in, which makes D smaller and the yardstick larger.
@@ -105,10 +109,22 @@ def tabular_limit(problem: Problem, nats: float, delta: float) -> Limit:
             problem.mdp, utility.embedding, candidates.policies[index]
         )
 
-    questions = all_pairs(utility.embedding.of_trajectories(problem.pool))
+    questions = all_pairs(farthest(utility.embedding.of_trajectories(problem.pool)))
     rows = cones if candidates.complete else None
     setting = Setting(candidates.features, utility.weights, utility.weight_bound, nats, questions, rows)
     return limit(setting, delta)
+
+
+def farthest(items: FloatArray) -> FloatArray:
+    """The distinct items (M, d), or where there are more than FARTHEST those that lie farthest in random directions.
+
+    Questions that tell much compare items that are far apart.
+    """
+    items = np.unique(items, axis=0)
+    if len(items) <= FARTHEST:
+        return items
+    directions = np.random.default_rng(0).normal(size=(items.shape[1], FARTHEST // 2))
+    return np.asarray(items[extremes(items, directions, 2)])
 
 
 def all_pairs(items: FloatArray) -> FloatArray:

@@ -14,6 +14,7 @@ from math import inf
 import numpy as np
 
 import bridge_theory as theory
+from bridge_algos.asking.limit import farthest
 from bridge_algos.asking.tabular import Problem
 from bridge_algos.mdp import FloatArray
 
@@ -46,7 +47,7 @@ def answers_needed(problem: Problem, nats: float, delta: float) -> float:
     if not len(v):
         return 0.0
     kappa = float(theory.kappa_differences.estimate(B=utility.embedding.bound, W=utility.weight_bound))
-    spectrum, basis = np.linalg.eigh(paper_design(utility.embedding.of_trajectories(problem.pool)))
+    spectrum, basis = np.linalg.eigh(paper_design(farthest(utility.embedding.of_trajectories(problem.pool))))
     along = (v @ basis) ** 2
 
     def excess(exponent: float) -> float:

@@ -3,6 +3,23 @@
 Everything here is about differences: features are known up to a vector that all candidates share. Half of the failure
 probability is split over the K (K - 1) / 2 pairs of candidates and the bounds on each, so that the recommended one, and
 the pairs that are looked at, may be chosen from the same rollouts and from any answers.
+
+A session about policies of a simulator of your own, whose delta is shared by features and answers:
+
+>>> from bridge_algos.asking.elicitation import Ball, Elicitation
+>>> def rollout(policy, seed):  # features of one episode after a reset with that seed, clipped to [0, 1]
+...     return np.clip(policy + 0.1 * np.random.default_rng(seed).normal(size=2), 0, 1)
+>>> policies = np.array([[0.2, 0.5], [0.6, 0.4], [0.5, 0.9], [0.3, 0.6]])
+>>> samples = np.array([[rollout(policy, seed) for seed in range(2000)] for policy in policies])
+>>> estimate = paired_estimate(samples, reach=2**0.5, delta=0.01)
+>>> rng, truth = np.random.default_rng(0), np.array([3.0, 1.0])
+>>> session = Elicitation(estimate.features, Ball(7.0), samples[:, :50].reshape(-1, 2), 0.04, "0.5nats", rng,
+...                       fresh=True, errors=estimate.errors, offline=("2,000 seeds stand for all", estimate.delta))
+>>> while not session.done:
+...     question = session.ask()
+...     session.tell(question, int(rng.random() < 1 / (1 + np.exp(-question.difference @ truth))))
+>>> session.certified, session.recommended, round(session.certificate.failure_probability, 9)
+(True, 2, 0.05)
 """
 
 from __future__ import annotations

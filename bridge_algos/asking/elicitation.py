@@ -337,7 +337,8 @@ class Elicitation:
             self.gap.recommend(best, region)
         self.gap.tighten(region)
         if self.answers.total and self.gap.value <= self.goal.nats:
-            found = best_somewhere(self.features, self.gap.rivals, region)
+            rivals = self.gap.rivals if self.gap.errors is None else None  # estimated ones prove no contradiction
+            found = best_somewhere(self.features, rivals, region)
             self._somebody = bool(found)
             if found is False:
                 self.contradiction = nobody_in_words(self.weight_bound, self.delta)

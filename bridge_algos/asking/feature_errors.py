@@ -1,12 +1,12 @@
-"""How far estimated differences of features may be from the truth: a few long axes, and a ball for the rest.
+r"""How far estimated differences of features may be from the truth: a few long axes, and a ball for the rest.
 
 The difference of two candidates' features is the mean of differences y of their rollouts. Most of these are long in one
 or two directions, and in those directions the answers settle the utility; a ball around the estimate would charge the
 longest axis to every direction. So with orthonormal u_1..u_q and P the projection across them
 
-.. math:: E y = \\bar y + \\sum_k t_k a_k u_k + e, \\qquad |t_k| \\le 1, \\quad \\|e\\| \\le r ,
+.. math:: E y = \bar y + \sum_k t_k a_k u_k + e, \qquad |t_k| \le 1, \quad \|e\| \le r ,
 
-where a_k bounds :math:`|\\langle u_k, \\bar y - E y \\rangle|` and r bounds :math:`\\|P(\\bar y - E y)\\|`, both from
+where a_k bounds :math:`|\langle u_k, \bar y - E y \rangle|` and r bounds :math:`\|P(\bar y - E y)\|`, both from
 :mod:`bridge_algos.asking.rollout_bounds`. The axes come from other rollouts than the means, and so are fixed for them.
 """
 

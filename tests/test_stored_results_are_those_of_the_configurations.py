@@ -10,6 +10,7 @@ import xarray as xr
 
 from bridge_algos.netcdf import load_dataset
 from bridge_algos.run.summary import difference, final
+from experiments.asked import asked, count_text, interval_text
 from experiments.reproduce import configuration, told
 from experiments.studies import mujoco, mujoco_differences
 
@@ -93,3 +94,29 @@ def test_the_readme_tells_the_stored_numbers() -> None:
     assert bool((plays_it == inside).all()), "BRIDGE does where it can"
     words = mujoco.words(reacher)
     assert re.findall(r"agreement in (\d+) of 200 rounds", words) == ["37", "179", "200", "186"]
+
+
+def test_the_readme_tells_how_many_questions_certify() -> None:
+    text = " ".join((ROOT / "README.md").read_text().split())
+    data = stored("certified-answers")
+    most = json.loads(data.attrs["settings"])["max_questions"]
+    questions = dict(zip(zip(data.n.values, data.asking.values, strict=True), data.questions.values, strict=True))
+
+    def told(n: int, asking: str = "pool") -> str:
+        return count_text(asked(questions[n, asking]).median, most)
+
+    one, two = (asked(questions[n, "pool"]) for n in (1, 2))
+    after_one = data.isel(given=np.flatnonzero(data.limit_n.values == 1)[0])
+    least, old = after_one.yardstick.values, after_one.old.values
+    assert min(least) >= 5, "worth dividing by"
+    ratio = np.quantile(questions[1, "pool"][: len(least)] / least, 0.5, method="higher")
+    for words in (
+        f"StarMDP, range 5 nats, delta 0.05, {data.sizes['seed']} seeds",
+        f"Without demonstrations {told(0)} questions are needed in the median, after one {told(1)} "
+        f"({interval_text(one, most)}) and after two {told(2)} ({interval_text(two, most)})",
+        f"by mutual information {told(1, 'information')}, at random {told(1, 'random')}, by the paper's rule "
+        f"{told(1, 'paper')}",
+        f"about 10^{np.log10(np.median(old)):.0f} answers",
+        f"about {np.median(least):.0f}, and ours are {ratio:.1f} times as many",
+    ):
+        assert words in text

@@ -46,7 +46,7 @@ def questions_figure(data: xr.Dataset) -> Any:
     places = [counts.index(int(n)) for n in data.limit_n.values]
     style: dict[str, Any] = {"color": "#000000", "linestyle": (0, (1, 1.2)), "label": "least possible (estimate)"}
     axes.plot(places, data.yardstick.median("limit_seed"), **style)
-    axes.annotate("R1:", (-0.42, 1.16 * most), fontsize=8, ha="left", annotation_clip=False)
+    axes.annotate("R1 needs", (-0.48, 1.16 * most), fontsize=8, ha="left", annotation_clip=False)
     for place, old in zip(places, data.old.median("limit_seed").values, strict=True):
         text = _old_text(old).replace("10^", "$10^{") + ("}$" if 1e4 <= old < np.inf else "")
         axes.annotate(text, (place, 1.16 * most), fontsize=8, ha="center", annotation_clip=False)

@@ -134,10 +134,6 @@ MUTANTS: dict[str, tuple[str, str, str, tuple[str, str]]] = {
     "a shared certificate rules everybody out": (
         "bridge_algos.online.likelihood", "region, v[rest], point) < 0", "region, v[rest], point) < np.inf", EXACTLY,
     ),
-    "a shared certificate takes any multiplier": (
-        "bridge_algos.asking.dual", "c = _best_multiplier(region, v, w, np.zeros(size))",
-        "c = -np.abs(_best_multiplier(region, v, w, np.zeros(size)))", EXACTLY,
-    ),
     "bonuses do not matter": (
         "bridge_algos.online.likelihood", "is not None and not bonus.any()", "is not None", (RULED_OUT, "bonuses"),
     ),

@@ -66,7 +66,7 @@ def report(data: xr.Dataset) -> str:
         f"{settings['environment']}, known dynamics, range {settings['range']:g} nats over all policies (W = ||w*|| = "
         f"{data.attrs['weight_bound']:.3g}), {n} demonstration{'' if n == 1 else 's'}, "
         f"{settings['comparisons']} comparisons a round, pair rule {settings['pair_rule']}, delta = "
-        f"{settings['delta']:g}, {settings['seeds']} seeds, {alone} of them with one policy left from the start.\n\n"
+        f"{settings['delta']:g}, {settings['seeds']} seed{'' if settings['seeds'] == 1 else 's'}, {alone} with one policy left from the start.\n\n"
         "Each seed is run with the sets of audit R1, whose width contains kappa, and with the likelihood set. 'R4' "
         "certifies the former; it assumes that the answers follow the Bradley-Terry model and spends delta. 'G6' "
         "certifies the latter from questions and answers alone; it assumes and spends the same, and needs neither "

@@ -92,8 +92,9 @@ class Certificate:
             "note": self.notes,
             "assuming": self.assumptions,
             "likelihood": tuple(
-                "the bound of that name is from questions and answers alone (companion G6); it fails with probability "
-                f"at most {decimals_above(Fraction(repr(failure)))} of its own"
+                "the bound of that name is from questions and answers alone (companion G6): it assumes Bradley-Terry "
+                "answers and ||w*|| <= W, but neither fresh trajectories nor a rule of play; it fails with probability "
+                f"at most {decimals_above(Fraction(repr(failure)))} of its own, beside that of the others"
                 for failure in self.alone.values()
             ),
             "taken at its word": tuple(partly) + ((f"nothing shows {', '.join(nothing)}",) if nothing else ()),

@@ -150,9 +150,8 @@ MUTANTS: dict[str, tuple[str, str, str, tuple[str, str]]] = {
     "the checker rules nobody out by certificates": (
         "proofs_checks.verify.remaining", "self._compare(self.answers, features)", "pass", LEFT,
     ),
-    "the checker takes every number of policies": (
-        "proofs_checks.verify.remaining", "self.perhaps[members] &= worst >= -nearly\n", "",
-        (RULED_OUT, "another_number"),
+    "the checker takes any larger number of policies": (
+        "proofs_checks.verify.claims", "int(perhaps.sum())", "len(perhaps)", (RULED_OUT, "another_number"),
     ),
     "unknown dynamics have a likelihood bound": (
         "proofs_checks.verify.conditions", '"the learner did not know the dynamics": not given.known', '"": False',

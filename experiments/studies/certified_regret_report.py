@@ -61,19 +61,20 @@ def report(data: xr.Dataset) -> str:
         if name != "regret"
     }
     covered = ", ".join(f"{label}: {count}" for label, count in held.items())
-    n = settings["demonstrations"]
+    n, seeds = settings["demonstrations"], settings["seeds"]
     return (
         f"{settings['environment']}, known dynamics, range {settings['range']:g} nats over all policies (W = ||w*|| = "
         f"{data.attrs['weight_bound']:.3g}), {n} demonstration{'' if n == 1 else 's'}, "
         f"{settings['comparisons']} comparisons a round, pair rule {settings['pair_rule']}, delta = "
-        f"{settings['delta']:g}, {settings['seeds']} seed{'' if settings['seeds'] == 1 else 's'}, {alone} with one policy left from the start.\n\n"
+        f"{settings['delta']:g}, {seeds} seed{'' if seeds == 1 else 's'}, "
+        f"{alone} with one policy left from the start.\n\n"
         "Each seed is run with the sets of audit R1, whose width contains kappa, and with the likelihood set. 'R4' "
         "certifies the former; it assumes that the answers follow the Bradley-Terry model and spends delta. 'G6' "
         "certifies the latter from questions and answers alone; it assumes and spends the same, and needs neither "
         "kappa, nor fitted weights, nor a rule of play.\n\n"
         "Cumulative regret in nats and policies left, mean [10 %, 90 %] over the seeds:\n"
         f"{text_table(header, rows)}\n\n"
-        f"Seeds of {settings['seeds']} whose regret stays below the bound in every round: {covered}."
+        f"Seeds of {seeds} whose regret stays below the bound in every round: {covered}."
     )
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 from proofs_checks.claim import Claim, Repair
 from proofs_checks.evidence import Evidence
+from proofs_checks.kernel.recorded import refutation
 from proofs_checks.ledger import formula_evidence
 from proofs_checks.run import Job, Report
 from proofs_checks.standing import Standing, item_holds
@@ -69,6 +70,7 @@ def _evidence(item: Evidence, reports: Mapping[Job, Report]) -> dict[str, Any]:
     found: dict[str, Any] = {"kind": item.kind, "words": item.words, "check": item.key or None}
     if item.counterexample is not None:
         found["counterexample"] = item.counterexample.name
+        found["kernel"] = refutation(item.counterexample.name) or None
     if report := reports.get(Job(item.key)):
         found |= {
             "status": report.status,

@@ -8,6 +8,7 @@ from proofs_checks.answers.checks import dual, likelihood_set, quadratics
 from proofs_checks.answers.evidence import text
 from proofs_checks.claim import Claim, link
 from proofs_checks.evidence import agrees, exact, mutant, proved, proved_step
+from proofs_checks.kernel.evidence import theorem
 
 _CONVEX = proved_step(
     r"the loss has second derivative $e^z/(1 + e^z)^2 > 0$, so that $\ell_t$ lies below its tangents",
@@ -27,12 +28,12 @@ CLAIMS = (
         r"\log(1/\delta)) + W\lVert v + \textstyle\sum_j\mu_jk_j + c\nabla\ell_t(w_0)\rVert.$$",
         because="Concavity of the log-likelihood and weak duality; nothing that an optimiser returns is trusted.",
         links=(
-            link("the log-likelihood lies below its tangents", "convex_loss"),
-            link("weak duality from the tangent, the threshold and the cones", "weak_duality"),
-            link("the ball: Cauchy and Schwarz", "cauchy_schwarz"),
-            link("the three together, as the proof adds them"),
+            link("weak duality from the tangent, the threshold and the cones", "dual_certificate"),
+            link("the ball", "dual_certificate_ball"),
         ),
         evidence=(
+            theorem("dual_certificate"),
+            theorem("dual_certificate_ball"),
             _CONVEX,
             proved_step(
                 "the bound follows from concavity, the threshold, the ball and the cones, for all real values (Z3)",
@@ -80,11 +81,19 @@ CLAIMS = (
         links=(
             link(
                 "no asker, stopping rule or recommendation makes false certificates likelier than delta",
+                "certified_answers",
                 "false_certificates",
             ),
-            link("the best policy and the true weights are among those maximised over"),
+            link(
+                "the best policy and the true weights are among those maximised over",
+                "certified_answers",
+                "certified_gap",
+            ),
         ),
         evidence=(
+            theorem("certified_answers"),
+            theorem("certified_answers_version_space"),
+            theorem("certified_gap"),
             exact(
                 "a gap certified at most log 2 that is larger has probability at most $\\delta$, for the worst asker, "
                 "stopping time and recommendation at once (rationals)",
@@ -106,6 +115,8 @@ CLAIMS = (
         r"\frac1{1+\rho}(U(\pi^*) - U(\pi_0))$.",
         because="One line of algebra at the true weights; the conclusion has no scale.",
         evidence=(
+            theorem("certified_share_of_gain"),
+            theorem("certified_share"),
             proved(
                 "from $a \\le \\rho g$ and $a + g > 0$ to $g \\ge (a + g)/(1 + \\rho)$ (Z3)",
                 dual.share_gained,
@@ -113,7 +124,7 @@ CLAIMS = (
             ),
             text("share_gained", "confinement_margin"),
         ),
-        links=(link("the algebra at the true weights", "share_gained"),),
+        links=(link("the algebra at the true weights", "certified_share_of_gain", "share_gained"),),
         proof=r"At $w^*$ and $\pi^*$: what is missing, $a$, is at most $\rho$ times what is gained, $g$.",
     ),
     Claim(

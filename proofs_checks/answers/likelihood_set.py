@@ -8,6 +8,7 @@ from proofs_checks.answers.checks import adaptive, evidence_bounds, likelihood_s
 from proofs_checks.answers.evidence import directions, text
 from proofs_checks.claim import Claim, link
 from proofs_checks.evidence import covered, exact, mutant, proved, proved_step
+from proofs_checks.kernel.evidence import theorem
 
 _ASSUMED = (
     "the answer to a question fixed before it is 1 with probability $\\sigma(\\langle x, w^*\\rangle)$, whatever "
@@ -50,8 +51,13 @@ CLAIMS = (
         assumptions=_ASSUMED,
         links=(
             link("the evidence over the true likelihood is a martingale", "martingale"),
-            link("so the true weights leave with probability at most delta (Ville)", "ever_outside", "stays_inside"),
-            link("Gibbs: the log of the evidence is at least $Q_t(q)$ for every $q$", "gibbs"),
+            link(
+                "so the true weights leave with probability at most delta (Ville)",
+                "prior_bounds_truth",
+                "ever_outside",
+                "stays_inside",
+            ),
+            link("Gibbs: the log of the evidence is at least $Q_t(q)$ for every $q$", "prior_bounds_truth", "gibbs"),
             link("the loss has curvature at most 1/4", "quarter_curvature"),
             link("one eigenvalue of $X^\\top X$ pays half a logarithm", "price_of_a_direction"),
             link("the log of the determinant is below that of the trace", "tangent_of_the_logarithm"),
@@ -59,6 +65,7 @@ CLAIMS = (
             link("from finite priors to densities: the same two lines with integrals"),
         ),
         evidence=(
+            theorem("prior_bounds_truth"),
             _MARTINGALE,
             _EVERY_ASKER,
             _COVERED,
@@ -132,12 +139,14 @@ CLAIMS = (
         "attain delta, so that nothing is left to gain in general.",
         assumptions=(*_ASSUMED, "a forecast is made before its answer; a checker computes it again and never reads it"),
         links=(
-            link("the ratio is a martingale", "martingale"),
-            link("it crosses with probability at most delta, attained by bold forecasts", "bold_forecasts"),
-            link("no asker and no stopping rule does better against a mixture", "ever_outside"),
-            link("any number of answers: Ville's inequality"),
+            link("the ratio is a martingale", "likelihood_set_covers", "martingale"),
+            link("delta is attained by bold forecasts", "bold_forecasts"),
+            link("no asker and no stopping rule does better", "likelihood_set_covers", "ever_outside"),
+            link("any number of answers: Ville's inequality", "likelihood_set_covers", "forecast_bounds_truth"),
         ),
         evidence=(
+            theorem("likelihood_set_covers"),
+            theorem("forecast_bounds_truth"),
             exact(
                 "all forecasts on a grid against a coin, four tosses: the worst fails with probability exactly "
                 "$\\delta = 1/4$",

@@ -6,6 +6,7 @@ from proofs_checks.answers.checks import cycles, likelihood_set
 from proofs_checks.answers.evidence import text
 from proofs_checks.claim import Claim, link
 from proofs_checks.evidence import covered, exact, mutant
+from proofs_checks.kernel.evidence import theorem
 
 CLAIMS = (
     Claim(
@@ -22,9 +23,14 @@ CLAIMS = (
         links=(
             link("a true model is refuted with probability at most delta, by the worst asker", "refutations"),
             link("a circle of preferences is refuted soon", "circle_is_refuted"),
-            link("the ratio is at most the supermartingale of the true weights, for any forecasters"),
+            link(
+                "a true model is refuted with probability at most delta, for any forecasters",
+                "true_model_is_not_refuted",
+            ),
         ),
         evidence=(
+            theorem("true_model_is_not_refuted"),
+            theorem("empty_set_certificate"),
             exact(
                 "tables and model mixed half and half against the best weights: the worst asker refutes a true model "
                 "with probability at most $\\delta$ (rationals)",

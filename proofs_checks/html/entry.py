@@ -11,6 +11,7 @@ from proofs_checks.evidence import MEANING as KINDS
 from proofs_checks.evidence import Evidence, Kind
 from proofs_checks.html.instance import instance
 from proofs_checks.html.prose import line, paragraphs, sentence
+from proofs_checks.kernel.recorded import refutation
 from proofs_checks.ledger import formula_evidence
 from proofs_checks.run import Job, Report
 from proofs_checks.standing import Standing, item_holds
@@ -104,7 +105,7 @@ def _evidence(items: Sequence[Evidence], reports: Reports) -> str:
 
 
 def _piece(item: Evidence, reports: Reports) -> str:
-    words = "Replayed in exact arithmetic." if item.counterexample is not None else line(sentence(item.words))
+    words = _replayed(item.counterexample.name) if item.counterexample else line(sentence(item.words))
     text = f"{badge(item.kind)} {words}"
     if (report := reports.get(Job(item.key))) is None:
         return text if item.check is None else f'{text} <span class="quiet">Not run.</span>'
@@ -118,6 +119,11 @@ def _piece(item: Evidence, reports: Reports) -> str:
         f'{text} <span class="result {report.status.replace(" ", "-")}">{mark} {escape(detail)} '
         f"{report.seconds:.2f} s.{mutants}</span>"
     )
+
+
+def _replayed(name: str) -> str:
+    in_coq = refutation(name)
+    return f"Replayed in exact arithmetic; {escape(in_coq)}." if in_coq else "Replayed in exact arithmetic."
 
 
 def _listed(title: str, sentences: Sequence[str]) -> str:

@@ -9,9 +9,12 @@ from importlib import resources
 
 from proofs_checks.claim import MEANING as VERDICTS
 from proofs_checks.evidence import MEANING as KINDS
-from proofs_checks.evidence import STRENGTH
-from proofs_checks.html.entry import badge, entry, repair_entry
+from proofs_checks.evidence import STRENGTH, Evidence
+from proofs_checks.html.development import development
+from proofs_checks.html.entry import anchor, badge, entry, repair_entry
 from proofs_checks.html.sections import section_title
+from proofs_checks.kernel.manifest import shipped
+from proofs_checks.kernel.recorded import theorem
 from proofs_checks.ledger import all_evidence
 from proofs_checks.run import Job, Report
 from proofs_checks.standing import Standing, item_holds
@@ -30,7 +33,7 @@ def page(standings: Sequence[Standing], reports: Mapping[Job, Report], *, quick:
         '<!DOCTYPE html><html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1"><link rel="icon" href="data:,">'
         f"<title>BRIDGE: the ledger of its statements</title><style>{_resource('style.css')}</style></head><body>"
-        f"{_top(standings, reports, quick)}<main>{body}{_repaired(standings, reports)}</main>"
+        f"{_top(standings, reports, quick)}<main>{body}{_repaired(standings, reports)}{_development(standings)}</main>"
         f"<script>{_resource('filter.js')}</script></body></html>"
     )
 
@@ -87,6 +90,21 @@ def _repaired(standings: Sequence[Standing], reports: Mapping[Job, Report]) -> s
     }
     articles = "".join(repair_entry(repair, users[name], reports) for name, repair in repairs.items())
     return f'<section class="theory"><h2>The repaired theory</h2>{articles}</section>' if articles else ""
+
+
+def _development(standings: Sequence[Standing]) -> str:
+    """The graph of the theorems, each leading to the first entry or repaired statement that it is evidence for."""
+    places: dict[str, str] = {}
+    for item in standings:
+        for place, evidence in ((item.claim.key, item.claim.evidence), *_pieces_of(item)):
+            for piece in evidence:
+                if piece.check is theorem:
+                    places.setdefault(piece.handle, anchor(place))
+    return development(shipped(), places)
+
+
+def _pieces_of(item: Standing) -> list[tuple[str, Sequence[Evidence]]]:
+    return [(repair.name, repair.evidence) for repair in item.claim.repairs]
 
 
 def _resource(name: str) -> str:

@@ -62,14 +62,13 @@ def questions(folder: Path, files: Iterable[str], lines: Iterable[str]) -> dict[
     return dict(zip(parts[::2], parts[1::2], strict=True))
 
 
-def printed_assumptions(folder: Path, names: Iterable[str]) -> dict[str, set[str] | None]:
-    """What each compiled theorem, named ``File.theorem``, rests on; None where Coq's answer cannot be read."""
+def resting_on(folder: Path, names: Iterable[str]) -> set[str] | None:
+    """The axioms that compiled theorems, named ``File.theorem``, rest on together; None where Coq tells none."""
     names = tuple(names)
-    asked = [f'Goal True. idtac "== {name}". Abort.\nPrint Assumptions Bridge.{name}.' for name in names]
-    answer = questions(folder, [name.split(".")[0] for name in names], asked)
-    if isinstance(answer, str):
-        return dict.fromkeys(names)
-    return {name: assumptions(answer[name]) for name in names}
+    together = " ".join(f"let _ := @Bridge.{name} in" for name in names)
+    asked = ['Goal True. idtac "== all". Abort.', f"Definition all_of_them : True := {together} I."]
+    answer = questions(folder, [name.split(".")[0] for name in names], [*asked, "Print Assumptions all_of_them."])
+    return None if isinstance(answer, str) else assumptions(answer["all"])
 
 
 def assumptions(printed: str) -> set[str] | None:

@@ -12,13 +12,13 @@ import shutil
 import sys
 import tempfile
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from bridge_algos.files import atomic_write_text
 from proofs_checks.kernel import agreement, refutations
-from proofs_checks.kernel.build import compile_sources, foreign, printed_assumptions, questions, run, version
-from proofs_checks.kernel.manifest import Development, Mutant, shipped
+from proofs_checks.kernel.build import compile_sources, foreign, questions, resting_on, run, version
+from proofs_checks.kernel.manifest import Development, Mutant, Theorem, shipped
 from proofs_checks.kernel.recorded import FILE, Record, expected_digest
 from proofs_checks.kernel.sentences import faults
 
@@ -58,7 +58,7 @@ def inspect(folder: Path, what: Development, *, jobs: int, numerical: bool) -> t
     """Compile and question a development in an empty folder: what counts, and what is wrong, a line each."""
     refuting = refutations.generated(numerical=numerical)
     texts = {**what.sources, **refuting, **(agreement.generated() if numerical else {})}
-    record = Record(version(), expected_digest(), {}, {}, 0)
+    record = Record(version(), expected_digest(), [], [], 0)
     problems = [f"{name}.v: {fault}" for name, text in texts.items() for fault in faults(text)]
     problems += [f"{name}.v has a name of the standard library" for name in texts if _RESERVED.fullmatch(name)]
     if problems:
@@ -74,30 +74,36 @@ def inspect(folder: Path, what: Development, *, jobs: int, numerical: bool) -> t
 
 def _resting(folder: Path, what: Development, refuting: Iterable[str], record: Record) -> list[str]:
     """Record what rests on allowed axioms alone; the rest are the problems."""
-    problems = []
-    asked = [f"{one.file}.{name}" for one in what.theorems.values() for name in (one.name, one.nonvacuity)]
-    for name, axioms in printed_assumptions(folder, [*asked, *(f"{file}.refuted" for file in refuting)]).items():
-        file, constant = name.split(".")
-        if axioms is None:
-            problems.append(f"{name}: the list of its assumptions is unreadable")
-        elif wrong := foreign(axioms, numerical=file in refuting):
-            problems.append(f"{name} rests on {', '.join(wrong)}")
-        elif file in refuting:
-            record.refutations[refutations.example_of(file)] = len(axioms)
-        elif constant in what.theorems:
-            record.theorems[constant] = len(axioms)
-    return problems
+    names = [f"{one.file}.{name}" for one in what.theorems.values() for name in (one.name, one.nonvacuity)]
+    if not (problems := _wrong(folder, names, numerical=False)):
+        record.theorems += sorted(what.theorems)
+    numbers = [f"{file}.refuted" for file in refuting]
+    if not (more := _wrong(folder, numbers, numerical=True)):
+        record.refutations += sorted(refutations.example_of(file) for file in refuting)
+    return problems + more
+
+
+def _wrong(folder: Path, names: Sequence[str], *, numerical: bool) -> list[str]:
+    """The theorems that rest on something else; one question about all of them where there is none."""
+    axioms = resting_on(folder, names)
+    if axioms is not None and not foreign(axioms, numerical=numerical):
+        return []
+    if len(names) > 1:
+        return [problem for name in names for problem in _wrong(folder, [name], numerical=numerical)]
+    if axioms is None:
+        return [f"{names[0]}: the list of its assumptions is unreadable"]
+    return [f"{names[0]} rests on {', '.join(foreign(axioms, numerical=numerical))}"]
 
 
 def _unmet(folder: Path, what: Development) -> list[str]:
     """What is wrong with the instances: one is missing, has premises of its own, or does not use its theorem."""
     lines, problems = [], []
-    for one in what.theorems.values():
-        instance = f"Bridge.{one.file}.{one.nonvacuity}"
+    instances = {one.name: f"Bridge.{one.file}.{one.nonvacuity}" for one in what.theorems.values()}
+    for name, instance in instances.items():
         lines += [
-            f'Goal True. idtac "== {one.name}". match type of {instance} with forall _, _ => idtac "premises" | _ => '
+            f'Goal True. idtac "== {name}". match type of {instance} with forall _, _ => idtac "premises" | _ => '
             "idtac end. Abort.",
-            f"Print Opaque Dependencies {instance}.",
+            f"Print {instance}.",
         ]
     answer = questions(folder, [one.file for one in what.theorems.values()], lines)
     if isinstance(answer, str):
@@ -106,9 +112,20 @@ def _unmet(folder: Path, what: Development) -> list[str]:
         told = answer[one.name]
         if told.startswith("premises"):
             problems.append(f"{one.nonvacuity} has premises; state it for concrete data")
-        if one.name not in {name.split(".")[-1] for name in re.findall(r"^\s*([\w.']+)", told, flags=re.MULTILINE)}:
+        if one.name not in _names(told) and one.name not in _used(folder, one, instances[one.name]):
             problems.append(f"{one.nonvacuity} does not apply {one.name}")
     return problems
+
+
+def _used(folder: Path, one: Theorem, instance: str) -> set[str]:
+    """The proved theorems that an instance uses, lemmas on the way included; Coq takes a while to say so."""
+    command = f'Goal True. idtac "== {one.name}". Abort. Print Opaque Dependencies {instance}.'
+    answer = questions(folder, [one.file], [command])
+    return set() if isinstance(answer, str) else _names(answer[one.name])
+
+
+def _names(text: str) -> set[str]:
+    return {name.split(".")[-1] for name in re.findall(r"[\w.']+", text)}
 
 
 def _survivors(folder: Path, what: Development, record: Record) -> list[str]:
@@ -142,8 +159,7 @@ def _unrefuted(folder: Path, file: str, what: Development, one: Mutant, statemen
     answer = run(folder, "coqc", "-q", "-Q", ".", "Bridge", f"{file}.v")
     if answer.returncode:
         return _gist(answer.stderr)
-    axioms = printed_assumptions(folder, [f"{file}.refuted"])[f"{file}.refuted"]
-    return "its assumptions are unreadable" if axioms is None else ", ".join(foreign(axioms))
+    return "; ".join(_wrong(folder, [f"{file}.refuted"], numerical=False))
 
 
 def _imports(what: Development) -> str:

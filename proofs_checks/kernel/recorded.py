@@ -22,15 +22,15 @@ class Record:
     Attributes:
         coq: the version of Coq.
         digest: of everything that was compiled, see ``expected_digest``.
-        theorems: the exported theorems that were accepted, each with its number of axioms.
-        refutations: the counterexamples whose refutation was accepted, each with its number of axioms.
+        theorems: the exported theorems that were accepted.
+        refutations: the counterexamples whose refutation was accepted.
         mutants: how many wrong variants of the theorems were refuted.
     """
 
     coq: str
     digest: str
-    theorems: dict[str, int]
-    refutations: dict[str, int]
+    theorems: list[str]
+    refutations: list[str]
     mutants: int
 
     @classmethod
@@ -84,8 +84,22 @@ def theorem(*, name: str, replace: tuple[str, str] = ("", "")) -> Outcome:
     is_changed = replace[0] and text.replace(*replace) != text
     if is_changed or record.digest != expected_digest():
         return Outcome(1, (f"the sources of {name} are not those that the kernel has accepted; run make proofs",))
-    axioms = record.theorems[name]
-    return Outcome(1, details=f"{name}: accepted by the kernel, {axioms} axioms of the reals ({_origin(record)})")
+    return Outcome(1, details=f"{name}: accepted by the kernel, from the axioms of the reals ({_origin(record)})")
+
+
+def refutation(name: str) -> str:
+    """What is recorded of the kernel's refutation by a counterexample; empty if nothing is, for the sources at hand."""
+    record = Record.stored()
+    if name not in record.refutations or record.digest != expected_digest():
+        return ""
+    return f"refuted in Coq over all models of its kind ({_origin(record)})"
+
+
+def origin() -> str:
+    """By which version of Coq the theorems were accepted, and for which sources; says so if these have changed."""
+    record = Record.stored()
+    changed = "" if record.digest == expected_digest() else "; the sources at hand are others, run make proofs"
+    return f"Accepted by Coq {record.coq} for the sources {record.digest[:_SHOWN]}{changed}"
 
 
 def _origin(record: Record) -> str:

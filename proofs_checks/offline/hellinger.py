@@ -6,8 +6,8 @@ from fractions import Fraction
 
 from proofs_checks.claim import Claim, Repair, link
 from proofs_checks.evidence import agrees, exact, mutant, refuted
+from proofs_checks.kernel.evidence import theorem
 from proofs_checks.offline.checks import distances, recursion
-from proofs_checks.offline.evidence import coq
 from proofs_checks.offline.repairs_counts import T14
 
 _RECURSION = exact(
@@ -16,14 +16,7 @@ _RECURSION = exact(
     mutant("without the transposition", transposed=False),
 )
 
-_PROVED_RECURSION = coq(
-    "for all finite state and action spaces, stochastic policies, kernels and horizons",
-    "agreement",
-    "agreement_recursion",
-    "without the transposition",
-    "X k s * M s s'",
-    "X k s * M s' s",
-)
+_PROVED_RECURSION = theorem("hellinger_recursion")
 
 K5 = Repair(
     name="K5",
@@ -34,11 +27,12 @@ K5 = Repair(
         $O(H|S|^2)$, less than powers of $M$ at most horizons.""",
     assumptions=("both laws share the law of the first state",),
     links=(
-        link("the recursion, for stochastic policies", "agreement_recursion", "recursion_equals_enumeration"),
-        link("the product form for stochastic policies ends with the last action", "stochastic_policies"),
+        link("the recursion, for stochastic policies", "hellinger_recursion", "recursion_equals_enumeration"),
+        link("the product of a law, a power of a matrix and a vector", "hellinger_matrix", "stochastic_policies"),
     ),
     evidence=(
         _PROVED_RECURSION,
+        theorem("hellinger_matrix"),
         _RECURSION,
         exact(
             "the product equals the sum over trajectories, for generated stochastic policies",
@@ -68,7 +62,7 @@ CLAIMS = (
             "deterministic policies with a common law of the first state (otherwise $X_0 = \\sqrt{d_1d_2}$)",
             "for trajectories that end with the last action use $H - 1$ transitions and a last agreement factor",
         ),
-        links=(link("the recursion", "agreement_recursion", "recursion_equals_enumeration"),),
+        links=(link("the recursion", "hellinger_recursion", "recursion_equals_enumeration"),),
         evidence=(_PROVED_RECURSION, _RECURSION),
         proof=r"""By induction: split the last transition off a partial trajectory; the bracket that remains is
             $X_t(s)$. The displays of the paper write $a_t, s_t$ for $a_j, s_j$ inside products over $j$.""",

@@ -6,6 +6,7 @@ from fractions import Fraction
 
 from proofs_checks.claim import Claim, link
 from proofs_checks.evidence import exact, mutant, proved_step, refuted
+from proofs_checks.kernel.evidence import theorem
 from proofs_checks.offline.checks import maximum_likelihood, radius
 from proofs_checks.offline.evidence import text
 from proofs_checks.offline.repairs_counts import T12
@@ -129,8 +130,9 @@ CLAIMS = (
         statement=r"""$H(P_*^{\pi^*}, P_*^{\hat\pi}) \le \sqrt{6|S|\log(|A|/\delta)/n}$ with probability $1-\delta$.""",
         because=r"""Follows from T7, not from the theorem, whose constant is 4. As $P^*$ is known, the root of
             $P_*^{\hat\pi}(\text{meet a state without data})$ is a sure and computable radius (T8).""",
-        links=POLICY_ERROR_LINKS,
+        links=(link("the theorem, from the demonstrations to the radius", "known_dynamics_as_stated"),),
         evidence=(
+            theorem("known_dynamics_as_stated"),
             *POLICY_ERROR,
             exact(
                 "the formula is the root of the corollary's, and the squared feature difference is 32 times it",

@@ -6,6 +6,7 @@ from fractions import Fraction
 
 from proofs_checks.claim import Repair, link
 from proofs_checks.evidence import cited, covered, exact, mutant, proved_step
+from proofs_checks.kernel.evidence import theorem
 from proofs_checks.offline.checks import confidence_set, coverage, maximum_likelihood, missing_mass, zero_radius
 from proofs_checks.offline.evidence import coq
 
@@ -89,15 +90,26 @@ T7 = Repair(
         states unseen $M \le 1 - (\delta/(|S|\binom{|S|}{k}))^{1/n}$; and $M = 0$ with probability at least $1 -
         |S|(1-\gamma_{\min})^n$. The number of actions does not enter.""",
     links=(
-        link("the error is the probability of meeting a disagreement", "error_is_disagreement"),
-        link("the expectation", "expectation"),
-        link("the tail, over the union of all sets of states", "tail"),
+        link(
+            "the error is the probability of meeting a disagreement",
+            "clone_error_is_missing_mass",
+            "error_is_disagreement",
+        ),
+        link("the expectation", "expected_missing_mass", "expectation"),
+        link("the tail, over the union of all sets of states", "missing_mass_tail", "tail"),
         link("the tail that depends on the number of unseen states", "observed_tail"),
         link("the probability of exact recovery", "exact_recovery"),
         link("the closed forms invert the tails", "formulas_invert_the_tail"),
+        link("the closed form that needs no observation", "clone_error_bound"),
     ),
     assumptions=(_DETERMINISTIC, _INDEPENDENT),
     evidence=(
+        theorem("clone_error_is_missing_mass"),
+        theorem("expected_missing_mass"),
+        theorem("missing_mass_tail"),
+        theorem("exact_recovery"),
+        theorem("clone_error_bound"),
+        theorem("first_action_clones"),
         exact(
             r"$H^2 = \operatorname{TV} = \Pr(\text{meet a disagreement})$ on generated models",
             missing_mass.error_is_disagreement,
@@ -168,11 +180,20 @@ T8 = Repair(
         For any estimate $H^2(\hat P^{\pi^*}, \hat P^{\hat\pi}) \le \hat P^{\hat\pi}(\text{meet a state without
         data})$ surely.""",
     links=(
-        link("the ball of radius 0 is the version space, for the closed estimate", "closed_estimate"),
-        link("the distance is at most the mass without data, for any estimate", "any_estimate"),
+        link("under the closed estimate the expert is at distance 0", "expert_at_radius_zero", "closed_estimate"),
+        link("so is every policy that agrees with the data", "closed_distance_zero", "closed_estimate"),
+        link("every other policy is at a positive distance", "closed_estimate"),
+        link(
+            "the distance is at most the mass without data, for any estimate",
+            "distance_by_unvisited_mass",
+            "any_estimate",
+        ),
     ),
     assumptions=(_DETERMINISTIC, "the clone maximises the likelihood over deterministic stationary policies"),
     evidence=(
+        theorem("closed_distance_zero"),
+        theorem("expert_at_radius_zero"),
+        theorem("distance_by_unvisited_mass"),
         exact(
             "generated data: the ball of radius 0 is the version space, over all policies and ties",
             zero_radius.closed_estimate,
@@ -198,16 +219,9 @@ T9 = Repair(
     statement=r"""With $R_1 = H^2(P_*^{\hat\pi}, P_*^{\pi^*})$ and $R_2 = H^2(\hat P^{\pi^*}, P_*^{\pi^*})$, for all
         policies (stochastic, history-dependent) and kernels: $H(\hat P^{\pi^*}, \hat P^{\hat\pi}) \le \sqrt{R_1} +
         2\sqrt{R_2}$.""",
-    links=(link("the inequality between laws on any finite set of trajectories", "confidence_set", "any_policies"),),
+    links=(link("the inequality, for decision processes and all policies", "confidence_set", "any_policies"),),
     evidence=(
-        coq(
-            r"$\sqrt{R_1} + 2\sqrt{R_2}$ for all finite trajectory spaces, kernels and policies",
-            "confidence_set",
-            "confidence_set",
-            "factor 1 instead of 2",
-            "sqrt K <= sqrt R1 + 2 * sqrt R2.",
-            "sqrt K <= sqrt R1 + 1 * sqrt R2.",
-        ),
+        theorem("confidence_set"),
         proved_step(
             "the two algebraic steps of the proof (Z3)",
             confidence_set.product_inequality,
@@ -244,14 +258,7 @@ T9_DETERMINISTIC = Repair(
         link("instances whose ratio tends to the root of 2", "root_two_is_tight"),
     ),
     evidence=(
-        coq(
-            "the inequality for all finite trajectory spaces, kernels and deterministic policies",
-            "confidence_set",
-            "confidence_set_deterministic",
-            "R2 instead of 2 R2 under the root",
-            "sqrt K <= sqrt R1 + sqrt (2 * R2).",
-            "sqrt K <= sqrt R1 + sqrt (1 * R2).",
-        ),
+        theorem("confidence_set_deterministic"),
         exact(
             "generated deterministic policies: the root of 2 and the angle form",
             confidence_set.deterministic_policies,

@@ -7,6 +7,7 @@ from fractions import Fraction
 from bridge_theory import concentrability_deterministic, concentrability_stated
 from proofs_checks.claim import Repair, link
 from proofs_checks.evidence import exact, mutant, proved_step
+from proofs_checks.kernel.evidence import theorem
 from proofs_checks.offline.checks import (
     concentrability,
     distances,
@@ -15,7 +16,7 @@ from proofs_checks.offline.checks import (
     subadditivity,
     trajectory_error,
 )
-from proofs_checks.offline.evidence import coq, coq_step
+from proofs_checks.offline.evidence import coq
 
 _COMMON = ("both laws share the policy and the law of the first state",)
 
@@ -65,10 +66,12 @@ T1 = Repair(
         g_t(s,a)\,h(s,a) \le \frac12\sum_t\bigl(\operatorname{E}_{\hat d_t}[h] + \operatorname{E}_{d_t}[h]\bigr).$$""",
     assumptions=_COMMON,
     links=(
-        link(r"the identity and $g_t \le \sqrt{\hat d_t d_t}$", "identity"),
-        link("the inequality, with the mean of both occupancies", "symmetrised_bound"),
+        link(r"the identity and $g_t \le \sqrt{\hat d_t d_t}$", "trajectory_error_identity", "identity"),
+        link("the inequality, with the mean of both occupancies", "trajectory_error_symmetrised", "symmetrised_bound"),
     ),
     evidence=(
+        theorem("trajectory_error_identity"),
+        theorem("trajectory_error_symmetrised"),
         exact(
             r"the identity and $g_t \le \sqrt{\hat d_t d_t}$ on generated kernels and stochastic policies",
             trajectory_error.identity,
@@ -198,19 +201,13 @@ T4 = Repair(
         for every $u$.""",
     assumptions=_COMMON,
     links=(
-        link("the bound at one step, for a pair of a prefix and a next state", "row_error_at_step"),
-        link("data processing to such a pair, and the sum over the steps", "row_errors_from_trajectories"),
+        link("the bound at one step", "row_error_at_step"),
+        link("the sum over the steps", "row_error_summed", "row_errors_from_trajectories"),
         link("both bounds are attained", "row_errors_are_attained"),
     ),
     evidence=(
-        coq_step(
-            "the bound at one step (Coq's kernel), for all finite laws and rows",
-            "row_errors",
-            "row_error_at_step",
-            "u (1 - u) instead of u (2 - u)",
-            "l <= u * (2 - u).",
-            "l <= u * (1 - u).",
-        ),
+        theorem("row_error_at_step"),
+        theorem("row_error_summed"),
         exact(
             "both inequalities on generated kernels and policies, in exact algebra",
             trajectory_error.row_errors_from_trajectories,

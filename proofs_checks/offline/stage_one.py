@@ -6,8 +6,9 @@ from fractions import Fraction
 
 from proofs_checks.claim import Claim, link
 from proofs_checks.evidence import agrees, exact, mutant, proved_step, refuted
+from proofs_checks.kernel.evidence import theorem
 from proofs_checks.offline.checks import confidence_set, radius, transcription
-from proofs_checks.offline.evidence import coq, text
+from proofs_checks.offline.evidence import text
 from proofs_checks.offline.policy_estimation import POLICY_CONSTANT
 from proofs_checks.offline.repairs_counts import T10, T11, T12, T13, T14
 from proofs_checks.offline.repairs_policy import T7, T8, T9, T9_ANGLE, T9_DETERMINISTIC
@@ -26,19 +27,15 @@ _ON_INSTANCES = exact(
     confidence_set.stated_formula_covers,
     mutant("the first error alone", only_policy_error=True),
 )
-LINKS_OF_THE_LEMMA = (link("the inequality on the two events", "stated_lemma", "stated_formula_covers"),)
+LINKS_OF_THE_LEMMA = (link("the inequality on the two events", "confidence_set_stated", "stated_formula_covers"),)
 RADIUS_OF_THE_LEMMA = (
-    coq(
-        "on the two events, for all finite trajectory spaces, kernels and policies",
-        "confidence_set",
-        "stated_lemma",
-        "without the 1 in front of the root",
-        "sqrt r2 * (1 + sqrt (horizon * (1 + 2 * sqrt r1 / gamma))).",
-        "sqrt r2 * (0 + sqrt (horizon * (1 + 2 * sqrt r1 / gamma))).",
-    ),
+    theorem("confidence_set_stated"),
     _ON_INSTANCES,
 )
 RADIUS_OF_THE_THEOREM = (
+    theorem("tabular_confidence_set"),
+    theorem("offline_theorem"),
+    theorem("offline_theorem_counts"),
     _FACTOR_TWO,
     _ON_INSTANCES,
     exact(
@@ -48,15 +45,7 @@ RADIUS_OF_THE_THEOREM = (
     ),
     *POLICY_CONSTANT,
 )
-LINKS_OF_THE_THEOREM = (
-    link("the policy error, with probability $1-\\delta/2$", T7),
-    link("it is at most $4|S|\\log(2|A|/\\delta)/n$", "constants_by_logarithms"),
-    link("the transition error, with probability $1-\\delta/2$", T11),
-    link("the two errors bound the distance", T9),
-    link("the paper's factor is at least the one of T9", "stated_radius_is_larger"),
-    link("the radius of the theorem is that of the lemma at these errors", "radius_is_the_lemma"),
-    link("both events at once, by a union"),
-)
+LINKS_OF_THE_THEOREM = (link("the theorem, from the decision process to the radius", "tabular_confidence_set"),)
 
 CLAIMS = (
     Claim(

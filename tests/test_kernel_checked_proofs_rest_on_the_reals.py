@@ -80,7 +80,7 @@ def test_words_in_comments_leave_nothing_unproved() -> None:
 
 def test_without_coq_nothing_is_checked_and_nothing_is_claimed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(kernel.shutil, "which", lambda _: None)
-    outcome = theorem(file="row_errors", name="row_error_at_step")
+    outcome = theorem(file="total_variation", name="hellinger_below_total_variation")
     assert outcome.skipped
     assert not outcome.holds
 

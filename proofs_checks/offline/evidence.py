@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from proofs_checks.evidence import Evidence, agrees, kernel_checked, mutant, proved_step
+from proofs_checks.evidence import Evidence, agrees, kernel_checked, mutant
 from proofs_checks.offline.checks import kernel, transcription
 
 
@@ -17,8 +17,3 @@ def coq(words: str, file: str, name: str, wrong: str, old: str, new: str) -> Evi
     return kernel_checked(
         words, kernel.theorem, mutant(wrong, replace=(old, new)), full_only=True, file=file, name=name
     )
-
-
-def coq_step(words: str, file: str, name: str, wrong: str, old: str, new: str) -> Evidence:
-    """As `coq`, where the theorem is one step of what the claim says."""
-    return proved_step(words, kernel.theorem, mutant(wrong, replace=(old, new)), full_only=True, file=file, name=name)

@@ -1,7 +1,7 @@
 """A campaign: how often teachers who do not follow the model are refuted, and certified before.
 
-``python -m experiments.wrong_teachers`` runs it (about half an hour) and writes
-``experiments/data/wrong_teachers.json``; with ``--show`` it prints the stored table.
+``python -m experiments.wrong_teachers [SEEDS]`` runs what is missing (half an hour for 100 seeds each) and writes
+``experiments/data/wrong_teachers.json`` after each teacher; with ``--show`` it prints the stored table.
 """
 
 from __future__ import annotations
@@ -22,12 +22,13 @@ from bridge_algos.asking.wrong_teachers import TEACHERS, wrong_teacher
 from bridge_algos.envs.registry import make_mdp
 from bridge_algos.files import atomic_write_text
 
+HONEST = "follows the model"
 STORED = Path(__file__).parent / "data" / "wrong_teachers.json"
 
-HONEST, SEEDS = 1000, 100
-"""Seeds of the teacher who follows the model, and of each other one."""
+SEEDS = 100
+"""Of each teacher; ten times as many of the one who follows the model."""
 
-SETTINGS = {"utility_range": 5.0, "n_demonstrations": 2, "until": "10%", "max_questions": 150, "pool": 200}
+SETTINGS = {"utility_range": 5.0, "n_demonstrations": 2, "until": "10%", "max_questions": 100, "pool": 200}
 
 SHAPES = {
     "corners": np.eye(3),
@@ -48,23 +49,27 @@ def three_items(features: np.ndarray, seed: int, asking: str = "pool") -> tuple[
     return word, len(session.history)
 
 
-def campaign() -> dict[str, Any]:
-    """Everything that is stored, teacher by teacher."""
-    mdp, found = make_mdp("starmdp"), []
-    for name in TEACHERS:
-        verdicts = wrong_teacher(name, mdp, HONEST if name == "follows the model" else SEEDS, **SETTINGS)  # type: ignore[arg-type]
-        row = asdict(verdicts)
-        row["median_questions"] = row["median_questions"] if isfinite(row["median_questions"]) else None
-        found.append(row)
-        print(verdicts.sentence, flush=True)
-    cycles = []
+def campaign(stored: dict[str, Any], seeds: int) -> None:
+    """Add what is missing to what is stored, and store it, part by part."""
+    mdp = make_mdp("starmdp")
     for shape, features in SHAPES.items():
-        ends = [three_items(features, seed) for seed in range(SEEDS)]
-        quick = sum(word == "refuted" and asked <= 50 for word, asked in ends)
-        counts = {word: sum(one == word for one, _ in ends) for word in ("refuted", "certified", "open")}
-        cycles.append({"shape": shape, **counts, "refuted_within_50": quick, "sessions": SEEDS})
-        print(cycles[-1], flush=True)
-    return {"environment": "starmdp", "settings": SETTINGS, "teachers": found, "three_items": cycles}
+        if shape not in stored["three_items"]:
+            ends = [three_items(features, seed) for seed in range(seeds)]
+            counts = {word: sum(one == word for one, _ in ends) for word in ("refuted", "certified", "open")}
+            quick = sum(word == "refuted" and asked <= 50 for word, asked in ends)
+            stored["three_items"][shape] = {**counts, "refuted_within_50": quick, "sessions": seeds}
+            _store(stored)
+    for name in reversed(TEACHERS):
+        if name not in stored["teachers"]:
+            sessions = 10 * seeds if name == HONEST else seeds
+            found = wrong_teacher(name, mdp, sessions, **SETTINGS)  # type: ignore[arg-type]
+            median = found.median_questions if isfinite(found.median_questions) else None
+            stored["teachers"][name] = {**asdict(found), "median_questions": median}
+            _store(stored)
+
+
+def _store(stored: dict[str, Any]) -> None:
+    atomic_write_text(STORED, json.dumps(stored, indent=1) + "\n")
 
 
 def table(stored: dict[str, Any]) -> str:
@@ -72,7 +77,7 @@ def table(stored: dict[str, Any]) -> str:
     lines = [
         f"{'teacher':<32} {'sessions':>8} {'refuted':>8} {'certified':>9} {'wrongly':>8} {'open':>5} {'median':>7}"
     ]
-    for row in stored["teachers"]:
+    for row in (stored["teachers"][name] for name in TEACHERS if name in stored["teachers"]):
         median = "-" if row["median_questions"] is None else f"{row['median_questions']:.0f}"
         open_ = row["sessions"] - row["refuted"] - row["certified"]
         lines.append(
@@ -80,24 +85,28 @@ def table(stored: dict[str, Any]) -> str:
             f"{open_:>5} {median:>7}"
         )
     lines += [
-        f"three items in a cycle, {row['shape']}: {row['refuted']} of {row['sessions']} refuted, "
+        f"three items in a cycle, {shape}: {row['refuted']} of {row['sessions']} refuted, "
         f"{row['refuted_within_50']} within 50 answers; {row['certified']} certified before"
-        for row in stored["three_items"]
+        for shape, row in stored["three_items"].items()
     ]
-    honest = stored["teachers"][0]
-    chance = binomtest(honest["refuted"], honest["sessions"], DELTA_MODEL, alternative="greater").pvalue
-    lines.append(
-        f"delta_M = {DELTA_MODEL:g}: if it were attained, so many refuted who follow the model, or more, would have "
-        f"probability {chance:.2g}"
-    )
+    honest = stored["teachers"].get(HONEST)
+    if honest is not None:
+        chance = binomtest(honest["refuted"], honest["sessions"], DELTA_MODEL, alternative="greater").pvalue
+        lines.append(
+            f"delta_M = {DELTA_MODEL:g}: if it were attained, so many or more refuted who follow the model would have "
+            f"probability {chance:.2g}"
+        )
     return "\n".join(lines)
 
 
 def main(argv: list[str]) -> int:
     """Run, or show what is stored."""
+    stored: dict[str, Any] = {"environment": "starmdp", "settings": SETTINGS, "teachers": {}, "three_items": {}}
+    if STORED.exists():
+        stored = json.loads(STORED.read_text())
     if argv != ["--show"]:
-        atomic_write_text(STORED, json.dumps(campaign(), indent=1) + "\n")
-    print(table(json.loads(STORED.read_text())))
+        campaign(stored, int(argv[0]) if argv else SEEDS)
+    print(table(stored))
     return 0
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from bridge_algos.asking.dual import LikelihoodSet, search
+from bridge_algos.asking.dual import LikelihoodSet, dual_bounds, search
 from bridge_algos.asking.gap import Rivals
 from bridge_algos.mdp import FloatArray, IntArray
 
@@ -55,7 +55,9 @@ def _some_best(features: FloatArray, rivals: Rivals | None, region: LikelihoodSe
         if (np.einsum("bkd,bd->bk", known, points).min(axis=1) >= -TIE).any():
             return True
         lengths = np.linalg.norm(known, axis=2, keepdims=True)
-        found = search(region, tilt, known / np.where(lengths > 1e-9, lengths, np.inf), 1e-6)
-        nowhere |= found.bound < -TILT * region.weight_bound * (1 + 1e-9)  # below what the ball allows
+        units = known / np.where(lengths > 1e-9, lengths, np.inf)
+        found = search(region, tilt, units, 1e-6)
+        bound, _ = dual_bounds(region, 0 * tilt, units, found.points, found.multipliers, found.rival_multipliers)
+        nowhere |= bound < 0  # on <0, w>, over the weights under which this candidate is best
         points = found.inside
     return False if nowhere.all() else None

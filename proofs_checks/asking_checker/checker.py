@@ -22,6 +22,7 @@ from proofs_checks.asking_checker.earlier import Earlier
 from proofs_checks.asking_checker.evidence import level
 from proofs_checks.asking_checker.facts import Claims, Facts, claims, facts
 from proofs_checks.asking_checker.gap import Gap
+from proofs_checks.asking_checker.model_test import REFUTED, evidence_against
 from proofs_checks.asking_checker.region import is_empty, is_inside, proved_log_likelihood, region_at
 from proofs_checks.asking_checker.slopes import tangents
 from proofs_checks.asking_checker.vacuous import best_somewhere
@@ -36,6 +37,12 @@ AGREES = 1e-6
 
 ALLOWED = 1e-9
 """Nats that stand for none: features are known to a rounding only, so that a gap of exactly 0 cannot be shown."""
+
+REFUTATION = (
+    "Forecasts from outside of the model explain these answers at least 100 times better than any weights within W; "
+    "nothing is certified."
+)
+UNCONFIRMED = "The session says so, which is not confirmed here; nothing is certified."
 
 
 def check(record: Mapping[str, Any]) -> Verdict:
@@ -74,9 +81,10 @@ def _verdict(seed: int, given: Facts, claimed: Claims) -> Verdict:
     if is_empty(log, region):
         empty = "No weights agree with these answers; nothing is certified."
         return Verdict(verdict="contradicted", reasons=(empty,), **shared)
+    if evidence_against(log, given.pool, region, fixed.delta) >= REFUTED:
+        return Verdict(verdict="contradicted", reasons=(REFUTATION,), **shared)
     if claimed.contradicted:
-        said = "The session's test of the model says so, which is not recomputed; nothing is certified."
-        return Verdict(verdict="contradicted", reasons=(said,), **shared)
+        return Verdict(verdict="contradicted", reasons=(UNCONFIRMED,), **shared)
     if not is_inside(log, region.inside, least, fixed.weight_bound):
         return Verdict(verdict="not certified", reasons=("The likelihood set may be empty.",), **shared)
     found = certified_gap(given, region, claimed)
@@ -88,6 +96,8 @@ def _verdict(seed: int, given: Facts, claimed: Claims) -> Verdict:
             nobody = "No candidate is best under weights that agree with these answers; nothing is certified."
             return Verdict(verdict="contradicted", reasons=(nobody,), **shared)
         reasons = () if somebody else ("Whether a candidate can be best at all is not known.",)
+    if not reasons and not claimed.certified:
+        reasons = ("The goal is found to be reached, but the session itself claims no certificate.",)
     return Verdict(verdict="not certified" if reasons else "certified", reasons=reasons, gap=found.value, **shared)
 
 

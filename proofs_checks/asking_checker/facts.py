@@ -27,6 +27,7 @@ class Facts:
     log: questions and answers.
     recommended: index of the recommended candidate.
     anchor: (d,) what contenders are compared with, enclosed.
+    pool: (M, d) features of the items that questions show.
     """
 
     setting: Setting
@@ -34,6 +35,7 @@ class Facts:
     log: Log
     recommended: int
     anchor: Enclosed
+    pool: IntArray
 
 
 def facts(record: Mapping[str, Any]) -> Facts:
@@ -50,7 +52,8 @@ def facts(record: Mapping[str, Any]) -> Facts:
         raise InputError(
             f"pool must hold at most the {configured['pool']} configured trajectories, got {len(pool[0])}."
         )
-    log = read_log(record.get("questions"), fixed.table.of_trajectories(*pool), fixed.teacher is None)
+    items = fixed.table.of_trajectories(*pool)
+    log = read_log(record.get("questions"), items, fixed.teacher is None)
     asked = len(log.answers) + log.skipped
     if asked > whole(configured, "max_questions"):
         raise InputError(f"{asked} questions were asked, more than max_questions allows.")
@@ -62,7 +65,7 @@ def facts(record: Mapping[str, Any]) -> Facts:
     if fixed.rho:
         mid = (1 + fixed.rho) * own.mid - fixed.rho * named.mid
         anchor = Enclosed(mid, (1 + fixed.rho) * (own.rad + named.rad) + 1e-15 * (1 + fixed.rho) * own.size)
-    return Facts(fixed, listed, log, index, anchor)
+    return Facts(fixed, listed, log, index, anchor, items)
 
 
 def _demonstrations(record: Mapping[str, Any], configured: dict[str, Any], fixed: Setting) -> IntArray:

@@ -22,12 +22,15 @@ class Log:
         rows: (T,) which of them each question showed.
         answers: (T,) 1 or 0, in that orientation.
         skipped: questions without an answer.
+        pairs, said: (T, 2) items of the pool, and (T,) answers, as they are written.
     """
 
     differences: IntArray
     rows: IntArray
     answers: IntArray
     skipped: int
+    pairs: IntArray
+    said: IntArray
 
     @property
     def x(self) -> FloatArray:
@@ -66,13 +69,13 @@ def read_log(questions: Any, pool: IntArray, person: bool) -> Log:
         raise InputError("a pair was asked twice of a person, who remembers: the second answer is no fresh draw.")
     answered = np.array([row[2] is not None for row in questions], dtype=bool)
     answers = np.array([row[2] for row in questions if row[2] is not None], dtype=np.int64)
-    return _distinct(x[answered], answers, int((~answered).sum()))
+    return _distinct(x[answered], answers, int((~answered).sum()), pairs[answered])
 
 
-def _distinct(x: IntArray, answers: IntArray, skipped: int) -> Log:
+def _distinct(x: IntArray, answers: IntArray, skipped: int, pairs: IntArray) -> Log:
     if not len(x):
-        return Log(x, np.zeros(0, dtype=np.int64), answers, skipped)
+        return Log(x, np.zeros(0, dtype=np.int64), answers, skipped, pairs, answers)
     leading = np.take_along_axis(x, (x != 0).argmax(axis=1)[:, None], axis=1)[:, 0]
     turned = leading < 0
     differences, rows = np.unique(np.where(turned[:, None], -x, x), axis=0, return_inverse=True)
-    return Log(differences, rows.ravel(), np.where(turned, 1 - answers, answers), skipped)
+    return Log(differences, rows.ravel(), np.where(turned, 1 - answers, answers), skipped, pairs, answers)

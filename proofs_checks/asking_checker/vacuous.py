@@ -1,8 +1,7 @@
 r"""Whether a certificate is about anything: a candidate must be best under weights that the answers leave possible.
 
 Otherwise every bound is a maximum over nothing. Weights are searched in floats; that they belong to the set is proved,
-and so is, by duality, that there are none: with a short direction e the bound on <e, w> over the set lies below
--W ||e||, which no weights of the ball do.
+and so is, by duality, that there are none: the bound on <0, w> over them is negative.
 """
 
 from __future__ import annotations
@@ -17,11 +16,8 @@ from proofs_checks.asking_checker.dual import bounds, duals
 from proofs_checks.asking_checker.gap import Deviations, Tangents
 from proofs_checks.verify.enclosed import Enclosed, FloatArray
 
-MOST, TURNS = 256, 3
-"""Candidates that are tried, the most useful at the likeliest weights first, and searches for each."""
-
-TILT = 1e-3
-"""Length of e."""
+MOST, TURNS, ACCURACY = 256, 3, 1e-2
+"""Candidates that are tried, the most useful at the likeliest weights first; searches for each, and how exact."""
 
 TIE = 1e-9
 """Nats by which a rival may be ahead: features are known to a rounding only."""
@@ -62,7 +58,7 @@ def _best_somewhere(
     inside: Callable[[FloatArray], bool],
 ) -> bool | None:
     features, d = candidates.features, candidates.features.shape[1]
-    own, tilt = features[index], np.full(d, TILT / np.sqrt(d))
+    own, somewhere = features[index], np.full((1, d), 1 / np.sqrt(d))  # a direction for the search, of no importance
     near = Enclosed(np.zeros((1, 0, d)), 0.0) if deviations is None else deviations(candidates.policies[[index]])
     others, radius = near.mid[0], max(near.rad, float(candidates.radii.max()))
     point = region.inside
@@ -73,14 +69,15 @@ def _best_somewhere(
         rows = own - others
         lengths = np.linalg.norm(rows, axis=1)
         lengths = np.where(lengths > 1e-6, lengths, np.inf)
-        found = search(region, tilt[None], (rows / lengths[:, None])[None], np.zeros((1, len(rows))), 1e-6, -np.inf)
+        units = (rows / lengths[:, None])[None]
+        found = search(region, somewhere, units, np.zeros((1, len(rows))), ACCURACY, -np.inf)
         point = found.points[0]
-        anchor = Enclosed(own - tilt, 1e-15 * float(np.abs(own).max() + 1))
+        anchor = Enclosed(own, 0.0)
         dual = duals(
             anchor, tangents(found.points), found.c[:, None], Enclosed(others[None], radius), found.mu / lengths
         )
         at = np.zeros(1, dtype=np.int64)
         bound = bounds(dual, at, own[None], candidates.radii[[index]], region.weight_bound)
-        if bound[0] < -TILT * region.weight_bound * (1 + 1e-9):
+        if bound[0] < 0:  # on <0, w>
             return False
     return None

@@ -153,3 +153,6 @@ def test_sessions_without_a_model_are_stored_and_told_apart(tmp_path: Path, caps
     assert "preferred to every other candidate with probability at least 0.3" in capsys.readouterr().out
     with pytest.raises(InputError, match="a file of another kind, expected a 'bridge-rl asking session'"):
         load_session(tmp_path / "session-0000.json")
+    capsys.readouterr()
+    assert main(["verify", str(tmp_path)]) == 2  # nothing is said of it, rather than something wrong
+    assert "a session without a model of utility, which is not verified" in capsys.readouterr().err

@@ -58,6 +58,7 @@ def table(outcomes: list[dict[str, Any]]) -> str:
     lines = [f"{'seed':>4} {'questions':>9} {'gap <=':>8} {'true gap':>8} {'covered':>7} {'candidates':>10}"]
     for row in outcomes:
         asked = "-" if row["questions"] is None else str(row["questions"])
+        asked = "refuted" if row.get("contradicted") else asked
         covered = "yes" if row["covered"] else "no"
         lines.append(
             f"{row['seed']:>4} {asked:>9} {row['certified_gap']:>8.3f} {row['true_gap']:>8.3f} {covered:>7} "
@@ -74,6 +75,8 @@ def in_words(config: AskConfig, found: dict[str, Any]) -> str:
     sentence = f"{found['certified']} of {total} sessions are certified; the median needs {asked} questions"
     if found["quantile_90"] is not None:
         sentence += f", 90 % need at most {found['quantile_90']:.0f}"
+    if found["contradicted"]:
+        sentence += f". In {found['contradicted']} the answers contradict the model, and nothing is certified"
     single = found["seeds_with_one_candidate"]
     if single:
         rest = found["median_where_something_is_open"]

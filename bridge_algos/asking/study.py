@@ -93,6 +93,7 @@ def run_session(
         "certified_gap": session.certificate.gap,
         "true_gap": problem.true_gap(session.recommended) if rollouts is None else rollouts.true_gap(),
         "covered": covered,
+        "contradicted": session.contradicted,
         "candidates": len(problem.candidates.policies),
     }
     if rollouts is not None:
@@ -111,6 +112,7 @@ def summary(outcomes: list[dict[str, Any]]) -> dict[str, Any]:
         "median_where_something_is_open": _finite(np.quantile(several, 0.5, method="higher")) if len(several) else None,
         "seeds_with_one_candidate": len(questions) - len(several),
         "certified": int(np.isfinite(questions).sum()),
+        "contradicted": sum(row.get("contradicted", False) for row in outcomes),
         "not_covered": sum(not row["covered"] for row in outcomes),
         "median_episodes": float(np.median(episodes)) if episodes else None,
         "seeds": outcomes,

@@ -11,6 +11,7 @@ from typing import Any
 from bridge_theory.errors import InputError
 
 KIND, FORMAT = "bridge-rl asking session", 1
+WITHOUT_MODEL = "bridge-rl asking session without a model of utility"
 LARGEST_FILE = 2**28
 NAME = re.compile(r"session-(\d+)\.json")
 
@@ -35,6 +36,10 @@ def read_record(path: Path) -> dict[str, Any]:
         raise InputError(f"{path} cannot be read ({error.strerror}); give the file of a session.") from None
     except (ValueError, RecursionError):
         raise InputError(f"{path} must hold JSON, and does not; give the file of a session.") from None
+    if isinstance(record, dict) and record.get("kind") == WITHOUT_MODEL:
+        raise InputError(
+            f"{path} is a session without a model of utility, which is not verified; see its own sentence."
+        )
     if not isinstance(record, dict) or record.get("kind") != KIND:
         raise InputError(f"{path} is a file of another kind, expected the session of 'bridge-rl ask'.")
     if record.get("format") != FORMAT:

@@ -302,6 +302,8 @@ class Elicitation:
         """
         if self.reference is None:
             return self.gap.value, None
+        if self.contradicted:
+            return self.gap.value, 0.0
         gain = self.features[self.recommended] - self.reference
         least, most = (-self._highest(-gain), self._highest(gain))
         gap = self.gap.value + (self.goal.rho * max(most, 0.0) if self.goal.rho else 0.0)

@@ -5,14 +5,13 @@ of what the stakes have become, :math:`Q - \max_w \ell_t(w)` exceeds :math:`\log
 probability at most :math:`\delta_M` under the model. Nothing is read but questions and answers; the maximum is bounded
 from above by a tangent. Forecasts sum to 1, so that errors in them cost power only.
 
-The forecasters are those that sessions name: tables of Krichevsky and Trofimov, and normal approximations of logistic
-regressions, updated answer by answer: one that answers are flipped of, one of larger weights, and three with products
-of up to six principal directions of the pool, antisymmetric ones, differences of symmetric ones, and both.
+The forecasters are tables of Krichevsky and Trofimov, and two normal approximations of logistic regressions, updated
+answer by answer: one that answers are flipped of, and one of larger weights. Sessions bet with more, which look at the
+whole pool, of which a file holds what was shown: a contradiction that only those find is told, as not confirmed.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from fractions import Fraction
 from math import log
 
@@ -28,10 +27,8 @@ from proofs_checks.verify.features import IntArray
 REFUTED = log(100.0)
 """Nats against the model at which it is refuted: delta_M is .01."""
 
-FLIPPED, PRODUCTS, DIRECTIONS = 0.1, 9.0, 6
-SHARES = np.array([0.5, 0.1, 0.1, 0.1, 0.1, 0.1])
-
-Shape = Callable[[int, int], FloatArray]
+FLIPPED = 0.1
+SHARES = np.array([0.5, 0.25, 0.25])
 
 LOST = 1e-9
 """Nats subtracted for each answer, far above what rounding adds."""
@@ -58,31 +55,21 @@ def outside(log_: Log, pool: IntArray, weight_bound: float) -> float:
     """The log forecast of all answers by the forecasters outside of the model."""
     d = pool.shape[1]
     kind = np.unique(pool, axis=0, return_inverse=True)[1].ravel()
-    anti, even = _products(pool.astype(np.float64))
     own = np.full(d, weight_bound**2 / d)
-    shapes = [np.full(part.shape[1], PRODUCTS / max(part.shape[1], 1)) for part in (anti(0, 1), even(0, 1))]
-    laws = [
-        _Normal(own / 4),
-        _Normal(4 * own),
-        _Normal(np.concatenate([own / 4, shapes[0]])),
-        _Normal(np.concatenate([own / 4, shapes[1]])),
-        _Normal(np.concatenate([own / 4, shapes[0] / 2, shapes[1] / 2])),
-    ]
+    narrow, wide = _Normal(own / 4), _Normal(4 * own)
     wins: dict[tuple[int, int], int] = {}
     stakes = np.log(SHARES)
     for (first, second), answer in zip(log_.pairs.tolist(), log_.said.tolist(), strict=True):
-        x = (pool[first] - pool[second])[None].astype(np.float64)
-        one, two = anti(first, second), even(first, second)
-        seen = [np.concatenate(parts, axis=1)[0] for parts in ([x], [x], [x, one], [x, two], [x, one, two])]
+        x = (pool[first] - pool[second]).astype(np.float64)
         own_kinds = int(kind[first]), int(kind[second])
         for_, against = wins.get(own_kinds, 0), wins.get(own_kinds[::-1], 0)
-        plain, *others = [law.chance(row) for law, row in zip(laws, seen, strict=True)]
-        chances = np.array([(for_ + 0.5) / (for_ + against + 1), FLIPPED + (1 - 2 * FLIPPED) * plain, *others])
+        table = (for_ + 0.5) / (for_ + against + 1)
+        chances = np.array([table, FLIPPED + (1 - 2 * FLIPPED) * narrow.chance(x), wide.chance(x)])
         stakes += np.log(chances if answer else 1 - chances) - LOST
         winner = own_kinds if answer else own_kinds[::-1]
         wins[winner] = wins.get(winner, 0) + 1
-        for law, row in zip(laws, seen, strict=True):
-            law.update(row, answer)
+        for law in (narrow, wide):
+            law.update(x, answer)
     return float(np.logaddexp.reduce(stakes))
 
 
@@ -114,21 +101,3 @@ class _Normal:
         p = float(sigmoid(np.array(0.5 * (low + high))))
         self.mean = self.mean + along * (answer - p)
         self.covariance = self.covariance - np.outer(along, along) * (p * (1 - p) / (1 + p * (1 - p) * s))
-
-
-def _products(pool: FloatArray) -> tuple[Shape, Shape]:
-    """Functions of two items: their antisymmetric products, and differences of their symmetric ones, (1, r)."""
-    centred = pool - pool.mean(axis=0)
-    left, sizes, _ = np.linalg.svd(centred, full_matrices=False)
-    kept = min(DIRECTIONS, int((sizes > 1e-9 * max(float(sizes[0]), 1e-300)).sum()))
-    y = left[:, :kept] * np.sqrt(len(pool))  # each of mean square 1
-    i, j = np.triu_indices(kept, 1)
-    k, m = np.triu_indices(kept)
-
-    def anti(a: int, b: int) -> FloatArray:
-        return np.asarray(y[a, i] * y[b, j] - y[a, j] * y[b, i])[None]
-
-    def even(a: int, b: int) -> FloatArray:
-        return np.asarray(y[a, k] * y[a, m] - y[b, k] * y[b, m])[None]
-
-    return anti, even

@@ -121,10 +121,10 @@ def search(
     size = len(v)
     k = rows.shape[1]
     problem = _Barrier(region, v, rows, np.full(size, 1.0), np.zeros((size, k)) if ease is None else ease)
-    scale = region.weight_bound * np.maximum(np.linalg.norm(v, axis=1), 1e-12)
-    problem.tau = FIRST_STEPS / scale
     w = np.repeat(region.interior[None], size, axis=0)
     s = np.maximum(0, -np.einsum("bkd,bd->bk", rows, w).min(axis=1, initial=0.0)) + 0.1 * region.weight_bound
+    scale = region.weight_bound * np.maximum(np.linalg.norm(v, axis=1), 1e-12) + (PENALTY * s if k else 0.0)
+    problem.tau = FIRST_STEPS / scale
     best = Certificates(
         np.full(size, np.inf), np.full(size, -np.inf), w.copy(), np.zeros(size), np.zeros((size, k)), v.copy(), w.copy()
     )

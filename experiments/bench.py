@@ -37,6 +37,7 @@ from bridge_algos.run.config import RunConfig, preset
 from bridge_algos.run.seed import run_seed
 from bridge_algos.run.world import build_world
 from bridge_algos.trajectories import Trajectories, sample_trajectories
+from experiments.bench_asking import question_seconds
 
 ROLLOUTS = 100
 EVALUATION_ROLLOUTS = 1000
@@ -71,7 +72,9 @@ def main(argv: list[str] | None = None) -> int:
     p.add_argument("--quick", action="store_true", help="fewer repetitions")
     quick = p.parse_args(argv).quick
     with threadpool_limits(1):
-        rows = [row for part in (_rounds, _fits, _counts, _filters) for row in _show(part(3 if quick else 9))]
+        rows = [
+            row for part in (_rounds, _fits, _counts, _filters, _questions) for row in _show(part(3 if quick else 9))
+        ]
     missed = sum(not row.met for row in rows)
     print(f"\n{len(rows)} figures, {missed} goals missed; absolute times depend on the machine, ratios much less")
     return 3 if missed else 0
@@ -239,6 +242,16 @@ def _filters(repetitions: int) -> list[Row]:
         widest_pair(z, 0.2, bonus)
 
     return [Row("filter and arg-max pair, 20,000 policies, CPU", _cpu_seconds(work, repetitions), 0.2, "s", False)]
+
+
+def _questions(repetitions: int) -> list[Row]:
+    """One question of a certified session, from ask to its certificate."""
+    small, large = question_seconds(1000, 20, 1000, 5 * repetitions), question_seconds(50_000, 16, 60, repetitions)
+    what = "question with certificate"
+    return [
+        Row(f"{what}, 1,000 candidates, d = 20, 1,000 answers, CPU", 1e3 * small, 10, "ms", False),
+        Row(f"{what}, 50,000 candidates, d = 16, CPU", 1e3 * large, 200, "ms", False),
+    ]
 
 
 def _preferences(m: int, d: int, rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:

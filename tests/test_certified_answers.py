@@ -11,7 +11,7 @@ from scipy.optimize import minimize
 from scipy.special import expit
 
 from bridge_algos.asking.answers import Answers
-from bridge_algos.asking.dual import dual_bounds, search
+from bridge_algos.asking.dual import LikelihoodSet, dual_bounds, search
 from bridge_algos.asking.elicitation import Ball, Elicitation
 from bridge_algos.asking.evidence import Evidence, expected_log_sigmoid
 from bridge_algos.asking.region import is_empty, likelihood_set
@@ -310,3 +310,31 @@ def test_every_candidate_has_its_own_bound() -> None:
     known = np.isfinite(final)
     assert known.sum() >= 4
     assert (final[known] <= session.gap.bounds[known] + 1e-4).all()
+
+
+def test_the_gap_under_another_weight_bound_is_that_of_the_same_answers() -> None:
+    """W only enters through the ball: a larger one leaves more weights, the same one leaves the same."""
+    rng = np.random.default_rng(8)
+    session, truth = _session(rng, until="0.05nats")
+    with pytest.raises(InputError, match="at least one answer"):
+        session.gap_under(1.0)
+    _answer_until_done(session, truth, rng, most=30)
+    own = session.weight_bound
+    half, same, double = (session.gap_under(factor * own) for factor in (0.5, 1.0, 2.0))
+    assert half is not None
+    assert same is not None
+    assert double is not None
+    assert same == pytest.approx(session.tight_gap, abs=0.02)
+    assert half - 0.02 <= same <= double + 0.02
+    assert double > same + 0.01
+    region = LikelihoodSet(session.answers, session._level, 2 * own, np.zeros(len(truth)))
+    drawn = rng.normal(size=(20_000, len(truth)))
+    drawn *= 2 * own * rng.random((20_000, 1)) ** (1 / len(truth)) / np.linalg.norm(drawn, axis=1, keepdims=True)
+    inside = drawn[session.answers.log_likelihood(drawn) >= region.level]
+    utilities = inside @ session.features.T
+    gaps = utilities.max(axis=1) - utilities[:, session.recommended]
+    assert len(gaps) > 100
+    assert gaps.max() <= double
+    assert session.gap_under(1e-6) is None or session.gap_under(1e-6) < 1e-4
+    with pytest.raises(InputError, match="positive"):
+        session.gap_under(-1.0)

@@ -226,6 +226,26 @@ class Elicitation:
         """
         return self.gap.value if self._region is None else self.gap.tight(self._region)
 
+    def gap_under(self, weight_bound: float) -> float | None:
+        """The gap in nats that the same answers certify for weights of another norm: what the assumption W decides.
+
+        The likelihood set is the same, since its prior was fixed before the first answer; only the ball differs. None
+        where no weights so short were found that explain the answers.
+
+        Args:
+            weight_bound: instead of W; W/2 and 2 W, say.
+
+        Raises:
+            InputError: for a bound that is not positive, features with errors, or before the first answer.
+        """
+        if not 0 < weight_bound < np.inf:
+            raise InputError(f"the weight bound must be a positive number, got {weight_bound}.")
+        if self.gap.errors is not None or self._region is None or not self.answers.total:
+            raise InputError("gap_under() needs exact features and at least one answer.")
+        near = self._center * min(1.0, 0.9 * weight_bound / max(float(np.linalg.norm(self._center)), 1e-300))
+        region = likelihood_set(self.answers, self._level, weight_bound, near)
+        return None if region is None else self.gap.tight(region)
+
     @property
     def certificate(self) -> Certificate:
         """What is certified now."""

@@ -164,16 +164,18 @@ class Gap:
     def tight(self, region: LikelihoodSet) -> float:
         """The certified gap in nats with every contender's bound computed to the tolerance, not only as far as decides.
 
-        Nothing is remembered, so that a session asks the same questions whether or not this is looked at.
+        Nothing is remembered: a session asks the same questions whether or not this is looked at. The set may have
+        another W; bounds found for this one hold for smaller ones only.
         """
-        open_ = np.flatnonzero(self.bounds > 0)
+        known = self.bounds if region.weight_bound <= self.weight_bound else np.full(len(self.features), np.inf)
+        open_ = np.flatnonzero(known > 0)
         if not len(open_):
             return 0.0
         nothing = np.zeros((len(open_), 0))
         alone, _, _ = self._search(region, open_, nothing[..., None] * self.features[0], nothing, decide=False)
         rows, _, ease = self._rows(open_, alone.points)
         bounds = np.minimum(alone.bound, self._search(region, open_, rows, ease, decide=False)[0].bound)
-        return max(0.0, float(np.minimum(bounds, self.bounds[open_]).max()))
+        return max(0.0, float(np.minimum(bounds, known[open_]).max()))
 
     def _work_on(self, region: LikelihoodSet, chosen: IntArray) -> bool:
         """Bound some contenders; whether one of them lies above the target."""

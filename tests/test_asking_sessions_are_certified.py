@@ -25,6 +25,7 @@ SESSIONS: dict[str, tuple[str, int, dict[str, Any]]] = {
     "starmdp, an earlier set decides": ("starmdp", 3, {"n_demonstrations": 1}),
     "starmdp, without demonstrations": ("starmdp", 0, {"n_demonstrations": 0, "until": "70%"}),
     "starmdp, one candidate": ("starmdp", 2, {}),
+    "starmdp, share with one candidate": ("starmdp", 2, {"until": "share=90%", "max_questions": 2}),
     "starmdp, share": ("starmdp", 5, {"until": "share=80%", "reference": "clone"}),
     "starmdp, share over the worst": ("starmdp", 5, {"until": "share=60%", "reference": "worst"}),
     "starmdp, a sample": ("starmdp", 0, {"limit": 10, "n_demonstrations": 1, "until": "20%"}),

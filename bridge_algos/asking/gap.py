@@ -77,7 +77,8 @@ class Gap:
         target: the bound at which to stop.
         scale: nats, what bounds are computed to a fraction of.
         rivals: features of policies that a candidate must beat, besides the candidates themselves; None for none.
-        reference: (d,) features of the reference and rho; None for the gap alone.
+        reference: (d,) features of the reference and rho; None for the gap alone. With rivals, the reference must be a
+            policy, or a mixture, that the best candidate beats too.
         errors: where features are estimates: maps the recommended candidate to the errors of the differences to it.
     """
 
@@ -306,4 +307,6 @@ class Gap:
         bounds = np.asarray(self.weight_bound * lengths * (1 + 1e-12)) + radii
         if self.reference is None:
             bounds[recommended] = radii[recommended]
+        elif self.rivals is not None:
+            bounds[recommended] = 0.0  # if it is the best of all policies, no reference is above it
         return bounds

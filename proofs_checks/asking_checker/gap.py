@@ -68,6 +68,8 @@ class Gap:
         )
         self.bounds = np.full(len(self.candidates.features), np.inf)
         self._apply(trivial, np.arange(len(self.bounds)))
+        if self.deviations is not None:
+            self.bounds[self.recommended] = 0.0  # if it is the best of all policies, the reference is one that it beats
 
     @property
     def value(self) -> float:

@@ -28,7 +28,7 @@ STORED = Path(__file__).parent / "data" / "wrong_teachers.json"
 SEEDS = 100
 """Of each teacher; ten times as many of the one who follows the model."""
 
-SETTINGS = {"utility_range": 5.0, "n_demonstrations": 2, "until": "10%", "max_questions": 100, "pool": 400}
+SETTINGS = {"utility_range": 5.0, "n_demonstrations": 2, "until": "10%", "max_questions": 100, "pool": 200}
 
 SHAPES = {
     "corners": np.eye(3),

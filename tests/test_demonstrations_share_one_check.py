@@ -147,7 +147,7 @@ def test_what_only_runs_or_keeps_them_says_what_the_mdp_excludes(door: str, faul
 
 
 # takers of demonstrations and an MDP that are no doors: they are handed what a door has let in
-_BEHIND_A_DOOR = {"closed_estimate", "run_session", "run_and_store", "version_space_candidates"}
+_BEHIND_A_DOOR = {"closed_estimate", "run_session", "run_and_store", "simulated_session", "version_space_candidates"}
 _DOORS = {"bounds_from_demonstrations", "save_minari_dataset", "checked_demonstrations", "excluded", "build_problem"}
 
 

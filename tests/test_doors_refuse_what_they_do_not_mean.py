@@ -102,6 +102,10 @@ DOORS: dict[str, Callable[[], dict[str, Any]]] = {
     "offline.transitions.estimate_transitions": lambda: {"counts": COUNTS.pooled, "empty_row": "uniform"},
     "offline.transitions.transition_counts": lambda: {"trajectories": DEMOS, **SIZE},
     "online.confidence.fixed": lambda: {"gamma": 0.1, "bonus_multiplier": 0.1, **SIZE, "horizon": H, "lam": 1.0},
+    "online.confidence.likelihood": lambda: {
+        "embedding_bound": 1.0, "weight_bound": 1.0, **SIZE, "horizon": H, "lam": 1.0, "delta_w": 0.1,
+        "delta_p": 0.1,
+    },
     "online.confidence.repaired": lambda: {
         "embedding_bound": 1.0, "weight_bound": 1.0, "dimension": 3, **SIZE, "horizon": H, "lam": 1.0, "delta_w": 0.1,
         "delta_p": 0.1,
@@ -235,6 +239,7 @@ HOUSE = {
     "offline.version_space": "takes demonstrations and counts that were checked",
     "online.cholesky": "takes the loop's own matrices, once a round",
     "online.confidence.Confidence": "a record of functions",
+    "online.likelihood": "the loop's own, once a round",
     "online.confidence.RoundState": "the loop's own",
     "online.confidence.pair_visits": "takes the loop's own pair",
     "online.loop.OnlineProblem": "a record; what it holds is checked where it is made",
